@@ -13,8 +13,10 @@
 
 pub mod arguments;
 pub mod gpu;
+pub mod headless;
 pub mod live;
 pub mod scene;
+pub mod show;
 pub mod stage;
 pub mod state;
 pub mod ui;

@@ -99,6 +99,9 @@ mod tests {
         assert!(matches!(told, Told::Jnd { delta_s: Some(s), .. } if s < 1e-9), "{told:?}");
         let visible = bump(&Wavelengths::usual(), 550.0, 0.5);
         let told = Compared::of(&visible, &visible, &bird).unwrap().bird.unwrap();
-        assert!(matches!(&told, Told::Unknown(why) if why.contains("nothing is invented outside")), "{told:?}");
+        assert!(
+            matches!(&told, Told::Unknown(why) if why.contains("nothing is invented outside")),
+            "{told:?}"
+        );
     }
 }

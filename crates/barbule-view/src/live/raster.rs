@@ -122,8 +122,7 @@ impl Legend {
 }
 
 fn is_told_by_lightness(medium: &Medium) -> bool {
-    let is_grey =
-        |name: &str| ["air", "keratin", "melanin"].contains(&name);
+    let is_grey = |name: &str| ["air", "keratin", "melanin"].contains(&name);
     matches!(medium, Medium::Pure(Substance::Named(name)) if is_grey(name))
 }
 
@@ -247,7 +246,8 @@ pub fn first_window(section: &Section, shape: f64) -> Window {
         return extent(section).fitted(shape, 0.02);
     }
     let heights = || section.boundaries.iter().map(|curve| curve.z_um[0]);
-    let (bottom, top) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+    let (bottom, top) =
+        (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
     let tall = (top - bottom).max(LEAST_LAYERS_UM);
     let middle = 0.5 * (bottom + top);
     let layers = Window { left: 0.0, right: 0.0, bottom: middle - 0.5 * tall, top: middle + 0.5 * tall };
@@ -381,8 +381,7 @@ pub fn raster(section: &Section, legend: &Legend, window: &Window, size: [usize;
 /// The rods of a crystal under a section's top, each from its outermost shell inwards.
 fn rods(section: &Section) -> Vec<(Outline, Medium)> {
     let of = |crystal: &barbule::structure::CrystalLayer| {
-        let medium =
-            |rod: usize, circle: usize| crystal.lattice.rods[rod].circles[circle].medium.clone();
+        let medium = |rod: usize, circle: usize| crystal.lattice.rods[rod].circles[circle].medium.clone();
         let circles = crystal.circles(section.top()).into_iter();
         let each = circles.map(|c| {
             let outline = Outline::Circle { x: c.x_um, z: c.z_um, radius: c.radius_um };
@@ -464,11 +463,12 @@ fn cover(runs: &mut Vec<Run>, [high, low]: [f64; 2], paint: Paint) {
 
 /// Adds a column's runs to its pixels, by the part of each pixel that they fill.
 fn add(sums: &mut [[f32; 3]], runs: &[Run], window: &Window, column: usize) {
-    let per_row = sums.len() as f64 / window.size()[1];
-    let row_of = |z: f64| ((window.top - z) * per_row).clamp(0.0, sums.len() as f64);
+    let rows = sums.len() as f64;
+    let per_row = rows / window.size()[1];
+    let row_of = |z: f64| ((window.top - z) * per_row).clamp(0.0, rows);
     for (index, run) in runs.iter().enumerate() {
         let from = row_of(run.top);
-        let to = runs.get(index + 1).map_or(sums.len() as f64, |next| row_of(next.top));
+        let to = runs.get(index + 1).map_or(rows, |next| row_of(next.top));
         let mut row = from.floor() as usize;
         while row < sums.len() && (row as f64) < to {
             let part = (to.min(row as f64 + 1.0) - from.max(row as f64)) as f32;
@@ -585,7 +585,8 @@ mod tests {
         let shades: std::collections::BTreeSet<_> = drawn.rgb.chunks_exact(3).collect();
         assert_eq!(shades.len(), 2, "a shade and its hatching");
         for hatch in [Hatch::Rising, Hatch::Falling, Hatch::Level, Hatch::Dotted] {
-            let marked = (0..16).flat_map(|c| (0..16).map(move |r| (c, r))).filter(|(c, r)| hatch.marks(*c, *r));
+            let marked =
+                (0..16).flat_map(|c| (0..16).map(move |r| (c, r))).filter(|(c, r)| hatch.marks(*c, *r));
             let count = marked.count();
             assert!((16..=64).contains(&count), "{hatch:?} {count}");
         }

@@ -66,7 +66,13 @@ pub fn reaches(places: &[f64]) -> Vec<[f64; 2]> {
     let alone = 0.5_f64.to_radians();
     let half = |k: usize| 0.5 * (places[k + 1] - places[k]);
     let reach = |k: usize| {
-        let below = if k > 0 { half(k - 1) } else if last > 0 { half(0) } else { alone };
+        let below = if k > 0 {
+            half(k - 1)
+        } else if last > 0 {
+            half(0)
+        } else {
+            alone
+        };
         let above = if k < last { half(k) } else { below };
         [places[k] - below, places[k] + above]
     };

@@ -29,7 +29,7 @@ pub struct Look {
     pub sky: [f32; 3],
     /// Share of the contrast of individuals that is shown: 0 for the smooth mean, 1 for all.
     pub contrast: f32,
-    /// Stops of exposure: each doubles the light.
+    /// Stops of exposure beside what the stage's meter says: each doubles the light.
     pub stops: f32,
     /// The curve.
     pub tone: ToneWord,
@@ -38,11 +38,12 @@ pub struct Look {
 }
 
 impl Look {
-    /// How the film is shown.
-    pub(super) fn exposure(&self) -> Exposure {
+    /// How the film is shown; `metered` stops are the meter's.
+    pub(super) fn exposure(&self, metered: f32) -> Exposure {
+        let stops = self.stops + metered;
         // What is behind does not change with the exposure.
-        let scale = (-self.stops).exp2();
-        Exposure { stops: self.stops, tone: self.tone, behind: self.behind.map(|v| v * scale) }
+        let scale = (-stops).exp2();
+        Exposure { stops, tone: self.tone, behind: self.behind.map(|v| v * scale) }
     }
 
     /// Whether a film of another look is one of this too, however it is shown.

@@ -450,7 +450,7 @@ impl App {
         }
         let stage = self.stage.as_ref().map_err(|why| Error::input(why.as_str()))?;
         let size = self.size_px();
-        let bytes = stage.pixels(size, &show::look(self.state.view(), size))?;
+        let bytes = stage.pixels(size, &show::look(self.state.view()))?;
         Ok(Pixels { size, bytes, has_alpha: false })
     }
 

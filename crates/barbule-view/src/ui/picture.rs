@@ -178,7 +178,7 @@ pub(super) fn picture(
             let drawn = Drawn {
                 shared: shared.clone(),
                 size_px: memory.size_px,
-                look: show::look(state.view(), memory.size_px),
+                look: show::look(state.view()),
                 ctx: ui.ctx().clone(),
             };
             ui.painter().add(Callback::new_paint_callback(rect, drawn));

@@ -19,13 +19,7 @@ pub(super) type Kept = Once<(Curves, Seer), Result<Vec<AngleSeen>, String>>;
 const STEEPEST_DEG: f64 = 85.0;
 
 /// Draws the wavelength of the peak against the angle of incidence, and strips of what is seen at each angle; a click looks at an angle.
-pub fn angles(
-    ui: &mut Ui,
-    state: &State,
-    results: &Results,
-    memory: &mut Memory,
-    actions: &mut Vec<Action>,
-) {
+pub fn angles(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory, actions: &mut Vec<Action>) {
     let Memory { viewer, along, .. } = memory;
     let viewer = match seen::viewer(viewer, state) {
         Ok(viewer) => viewer,
@@ -145,18 +139,23 @@ fn strips(
         let (strip, room, response) = style::under(ui, [frame.left(), frame.right()]);
         for (one, srgb) in seen.iter().zip(&colours) {
             let [left, right] = one.reach.map(|angle| transform.position_from_point_x(angle.to_degrees()));
-            let patch = Rect::from_x_y_ranges(
-                left.max(strip.left())..=right.min(strip.right()),
-                strip.y_range(),
-            );
+            let patch =
+                Rect::from_x_y_ranges(left.max(strip.left())..=right.min(strip.right()), strip.y_range());
             if patch.is_positive() {
                 ui.painter().rect_filled(patch, 0.0, style::rgb(*srgb));
             }
         }
         let font = TextStyle::Small.resolve(ui.style());
         let at = pos2(room.right(), room.center().y);
-        ui.painter().with_clip_rect(room).text(at, Align2::RIGHT_CENTER, short, font, ui.visuals().text_color());
-        let ends = [colours.first(), colours.last()].map(|srgb| srgb.map_or(String::new(), |srgb| hex(*srgb)));
+        ui.painter().with_clip_rect(room).text(
+            at,
+            Align2::RIGHT_CENTER,
+            short,
+            font,
+            ui.visuals().text_color(),
+        );
+        let ends =
+            [colours.first(), colours.last()].map(|srgb| srgb.map_or(String::new(), |srgb| hex(*srgb)));
         let words = format!("{words}: {} to {}", ends[0], ends[1]);
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &words));
         chosen = clicked(&response, transform).or(chosen);

@@ -23,7 +23,10 @@ pub fn comparison(
     actions: &mut Vec<Action>,
 ) {
     let Some(pinned) = state.pinned() else {
-        style::not_there(ui, "pin what is open, then change it or open something else: the two are compared here");
+        style::not_there(
+            ui,
+            "pin what is open, then change it or open something else: the two are compared here",
+        );
         if ui.button("pin").clicked() {
             actions.push(Action::Pin);
         }
@@ -53,9 +56,8 @@ fn colours(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory) {
     let key = (own.spectrum.clone(), pinned.spectrum.clone(), state.view().eye.clone());
     let Memory { viewer, compared, .. } = memory;
     let Ok(viewer) = seen::viewer(viewer, state) else { return };
-    let found = compared.of(&key, |(own, pinned, _)| {
-        Compared::of(own, pinned, viewer).map_err(|error| error.to_string())
-    });
+    let found = compared
+        .of(&key, |(own, pinned, _)| Compared::of(own, pinned, viewer).map_err(|error| error.to_string()));
     match found {
         Ok(found) => {
             Grid::new("differences in colour").num_columns(2).striped(true).show(ui, |ui| {

@@ -23,7 +23,8 @@ pub(super) struct Layer {
 impl Layer {
     /// Its thickness and medium in words.
     pub(super) fn words(&self) -> String {
-        let spread = if self.spread_nm > 0.0 { format!(" ± {}", digits(self.spread_nm)) } else { String::new() };
+        let spread =
+            if self.spread_nm > 0.0 { format!(" ± {}", digits(self.spread_nm)) } else { String::new() };
         format!("{}{spread} nm {}", digits(self.thickness_nm), self.medium)
     }
 }
@@ -42,8 +43,12 @@ pub(super) fn of(stack: &Stack) -> Vec<Layer> {
 
 /// The layers from the top as lines of text.
 pub(super) fn lines(layers: &[Layer]) -> Vec<String> {
-    let mut lines: Vec<String> =
-        layers.iter().take(MOST).enumerate().map(|(k, layer)| format!("{}: {}", k + 1, layer.words())).collect();
+    let mut lines: Vec<String> = layers
+        .iter()
+        .take(MOST)
+        .enumerate()
+        .map(|(k, layer)| format!("{}: {}", k + 1, layer.words()))
+        .collect();
     if layers.len() > MOST {
         lines.push(format!("and {} more", layers.len() - MOST));
     }

@@ -15,7 +15,9 @@ use egui_plot::{Legend, Line, LineStyle};
 
 use super::words::digits;
 use super::{Memory, seen, style};
-use crate::live::{Hemisphere, Lobe, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of, radius_of};
+use crate::live::{
+    Hemisphere, Lobe, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of, radius_of,
+};
 use crate::state::{Shown, State};
 use crate::ui::{Action, Results};
 
@@ -49,13 +51,7 @@ struct Touch<'a> {
 }
 
 /// Draws the lobe of what is open.
-pub fn lobe(
-    ui: &mut Ui,
-    state: &State,
-    results: &Results,
-    memory: &mut Memory,
-    actions: &mut Vec<Action>,
-) {
+pub fn lobe(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory, actions: &mut Vec<Action>) {
     let Some(hemisphere) = &results.own.hemisphere else { return far_field(ui, state, results) };
     let incident = lit_across(state.view().angle_deg.to_radians());
     let Memory { viewer, lobe: kept, .. } = memory;
@@ -129,7 +125,8 @@ fn screen(disc: Rect, [x, y]: [f64; 2]) -> Pos2 {
 
 /// The disc's pixels on the graphics card, made anew where they have changed.
 fn texture(ui: &Ui, hemisphere: &Hemisphere, white: f64, kept: &mut Kept) -> TextureId {
-    let is_known = |(known, with, _): &(Hemisphere, f64, TextureHandle)| known == hemisphere && *with == white;
+    let is_known =
+        |(known, with, _): &(Hemisphere, f64, TextureHandle)| known == hemisphere && *with == white;
     if let Some((_, _, texture)) = kept.disc.as_ref().filter(|disc| is_known(disc)) {
         return texture.id();
     }
@@ -167,14 +164,21 @@ fn marks(ui: &Ui, painter: &Painter, disc: Rect, [light, mirror]: [[f64; 2]; 2])
         painter.text(at, Align2::CENTER_BOTTOM, format!("{degrees}°"), font.clone(), Color32::from_gray(200));
     }
     painter.circle_stroke(disc.center(), radius, Stroke::new(1.0, text));
-    painter.text(disc.center_bottom() + vec2(0.0, 2.0), Align2::CENTER_TOP, "across the barbule →", font.clone(), text);
+    painter.text(
+        disc.center_bottom() + vec2(0.0, 2.0),
+        Align2::CENTER_TOP,
+        "across the barbule →",
+        font.clone(),
+        text,
+    );
     painter.text(disc.center_top() + vec2(0.0, -2.0), Align2::CENTER_BOTTOM, "along ↑", font.clone(), text);
     let sun = screen(disc, light);
     painter.circle(sun, 4.5, Color32::from_rgb(240, 228, 66), Stroke::new(1.5, Color32::BLACK));
     name(painter, sun, "light", &font);
     let at = screen(disc, mirror);
     let corner = |x: f32, y: f32| at + 5.5 * vec2(x, y);
-    let diamond = vec![corner(0.0, -1.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.0), corner(0.0, -1.0)];
+    let diamond =
+        vec![corner(0.0, -1.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.0), corner(0.0, -1.0)];
     painter.line(diamond.clone(), Stroke::new(3.0, Color32::BLACK));
     painter.line(diamond, Stroke::new(1.5, Color32::WHITE));
     if at.distance(sun) > 12.0 {
@@ -196,7 +200,11 @@ fn scale(ui: &mut Ui, hemisphere: &Hemisphere, white: f64, kept: &mut Kept) {
         ui.label("0");
         let (rect, _) = ui.allocate_exact_size(vec2(SCALE_WIDE, style::STRIP), Sense::hover());
         style::strip(ui.painter(), rect, |part| style::rgb(display([f64::from(part); 3])));
-        let words = format!("{} × a white diffuser (brightest {})", digits(white), digits(f64::from(hemisphere.peak)));
+        let words = format!(
+            "{} × a white diffuser (brightest {})",
+            digits(white),
+            digits(f64::from(hemisphere.peak))
+        );
         ui.label(words);
     });
     ui.horizontal_wrapped(|ui| {
@@ -280,7 +288,10 @@ fn far_field(ui: &mut Ui, state: &State, results: &Results) {
     let own = lobe(&results.own);
     let pinned = state.pinned().and_then(|_| lobe(&results.pinned));
     if own.is_none() && pinned.is_none() {
-        return style::not_there(ui, "the lobe appears here once it is computed; make the material to see it in colour");
+        return style::not_there(
+            ui,
+            "the lobe appears here once it is computed; make the material to see it in colour",
+        );
     }
     let inks = [style::own(ui), style::pinned(ui)];
     let dashes = [LineStyle::Solid, style::DASHED];
@@ -311,7 +322,8 @@ fn points(lobe: &Lobe) -> Vec<[f64; 2]> {
 }
 
 fn lobe_words(whose: &str, lobe: &Lobe, individual: usize) -> String {
-    let peak = points(lobe).into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |[azimuth, _]| azimuth);
+    let peak =
+        points(lobe).into_iter().max_by(|a, b| a[1].total_cmp(&b[1])).map_or(0.0, |[azimuth, _]| azimuth);
     format!(
         "{whose}, individual {individual} at {:.0} nm: brightest at {peak:.0}°, {} % reflected",
         lobe.wavelength_nm,

@@ -70,7 +70,10 @@ pub fn section(
         })
         .collect();
     let Some(first) = shown.first().map(|one| one.section) else {
-        return style::not_there(ui, "the section appears here once it is made; gratings and scenes have none");
+        return style::not_there(
+            ui,
+            "the section appears here once it is made; gratings and scenes have none",
+        );
     };
     let kept = &mut memory.section;
     let legend = kept.legend.of(&[own.cloned(), pinned.cloned()], |both| Legend::of(both.iter().flatten()));
@@ -126,7 +129,9 @@ fn limited(window: Window) -> Window {
 fn buttons(ui: &mut Ui, window: Window, section: &Section, shape: f64) -> Option<Window> {
     let mut moved = None;
     ui.horizontal_wrapped(|ui| {
-        for (words, about, factor) in [("+", "look nearer", 1.0 / STEP), ("−", "look from further away", STEP)] {
+        for (words, about, factor) in
+            [("+", "look nearer", 1.0 / STEP), ("−", "look from further away", STEP)]
+        {
             if ui.button(words).on_hover_text(about).clicked() {
                 moved = Some(window.zoomed(factor, [0.5; 2]));
             }
@@ -178,7 +183,8 @@ fn moved(ui: &Ui, response: &Response, rect: Rect, window: Window, section: &Sec
     }
     let at = response.hover_pos()?;
     // Taken here, so that nothing else scrolls.
-    let (wheel, pinch) = ui.input_mut(|input| (std::mem::take(&mut input.smooth_scroll_delta).y, input.zoom_delta()));
+    let (wheel, pinch) =
+        ui.input_mut(|input| (std::mem::take(&mut input.smooth_scroll_delta).y, input.zoom_delta()));
     let factor = (-PER_POINT * f64::from(wheel)).exp() / f64::from(pinch);
     (factor != 1.0).then(|| window.zoomed(factor, part(at)))
 }
@@ -194,7 +200,11 @@ fn texture(
     let pixels = |points: f32| (points * ui.ctx().pixels_per_point()).round().clamp(1.0, MOST_PX) as usize;
     let size = [pixels(rect.width()), pixels(rect.height())];
     if let Some(known) = drawn {
-        if known.size == size && known.window == window && known.section == *section && known.legend == *legend {
+        if known.size == size
+            && known.window == window
+            && known.section == *section
+            && known.legend == *legend
+        {
             return known.texture.id();
         }
     }
@@ -289,7 +299,9 @@ fn individual(ui: &mut Ui, state: &State, actions: &mut Vec<Action>) {
     }
     ui.horizontal_wrapped(|ui| {
         ui.label(format!("individual {index}"));
-        for (words, next) in [("before", index.checked_sub(1)), ("next", Some(index + 1).filter(|i| *i < 10_000))] {
+        for (words, next) in
+            [("before", index.checked_sub(1)), ("next", Some(index + 1).filter(|i| *i < 10_000))]
+        {
             let button = ui.add_enabled(next.is_some(), eframe::egui::Button::new(words).small());
             if let Some(next) = next.filter(|_| button.clicked()) {
                 actions.push(Action::look("individual", move |view| view.individual = next));

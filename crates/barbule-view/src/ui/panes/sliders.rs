@@ -144,7 +144,8 @@ fn group(key: &str) -> &'static str {
     if has(&["fraction["]) {
         return "mixtures";
     }
-    let rods = ["melanosome", "melanin", "rod", "core", "channel", "period", "row", "bubble", "spacing", "coverage"];
+    let rods =
+        ["melanosome", "melanin", "rod", "core", "channel", "period", "row", "bubble", "spacing", "coverage"];
     if has(&rods) || ["air_", "wall_"].iter().any(|word| key.starts_with(word)) {
         return "rods and granules";
     }
@@ -171,7 +172,8 @@ fn is_open_first(title: &str, all: usize) -> bool {
 /// A size: its name, marked where it was moved, and its slider. A double click on either puts it back.
 fn size(ui: &mut Ui, slider: &Slider, whole_ranges: bool, actions: &mut Vec<Action>) {
     let [low, high] = if whole_ranges { slider.range } else { slider.usual() };
-    let hover = format!("{}\nAt first {}. Double click puts it back.", slider.about, slider.words(slider.default));
+    let hover =
+        format!("{}\nAt first {}. Double click puts it back.", slider.about, slider.words(slider.default));
     let name = match slider.is_moved() {
         true => RichText::new(format!("{} (moved)", slider.name)).strong(),
         false => RichText::new(&slider.name),
@@ -227,7 +229,8 @@ fn looks(ui: &mut Ui, state: &State, count: Option<usize>, actions: &mut Vec<Act
             Shown::Individuals => "whose section and lobe are drawn",
         });
         let mut index = view.individual;
-        let response = ui.add(egui::DragValue::new(&mut index).range(0..=last).speed(0.1)).labelled_by(label.id);
+        let response =
+            ui.add(egui::DragValue::new(&mut index).range(0..=last).speed(0.1)).labelled_by(label.id);
         if index != view.individual {
             actions.push(Action::look("individual", move |view| view.individual = index));
         }
@@ -237,7 +240,8 @@ fn looks(ui: &mut Ui, state: &State, count: Option<usize>, actions: &mut Vec<Act
     if let Some(degrees) = angle {
         actions.push(Action::look("angle", move |view| view.angle_deg = degrees));
     }
-    let wavelength = plain(ui, ("wavelength of the lobe", " nm"), view.wavelength_nm, WAVELENGTHS_NM, actions);
+    let wavelength =
+        plain(ui, ("wavelength of the lobe", " nm"), view.wavelength_nm, WAVELENGTHS_NM, actions);
     if let Some(nm) = wavelength {
         actions.push(Action::look("wavelength", move |view| view.wavelength_nm = nm));
     }

@@ -129,7 +129,8 @@ fn plot(ui: &mut Ui, curves: Vec<Curve>, state: &State) {
         .include_y(0.0)
         .legend(Legend::default().follow_insertion_order(true))
         .label_formatter(move |position| {
-            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) = position;
+            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
+                position;
             Some(read(&at_pointer, position.x).join("\n"))
         })
         .show(ui, move |plot| {
@@ -142,9 +143,7 @@ fn plot(ui: &mut Ui, curves: Vec<Curve>, state: &State) {
     let (strip, _, _) = style::under(ui, [frame.left(), frame.right()]);
     let [from, to] = [frame.left(), frame.right()]
         .map(|x| shown.transform.value_from_position(egui::pos2(x, frame.center().y)).x);
-    style::strip(ui.painter(), strip, |part| {
-        style::rgb(spectral_srgb(from + f64::from(part) * (to - from)))
-    });
+    style::strip(ui.painter(), strip, |part| style::rgb(spectral_srgb(from + f64::from(part) * (to - from))));
     let words = match shown.response.hover_pos() {
         Some(at) => read(&reading, shown.transform.value_from_position(at).x).join(" · "),
         None => "point at the curves to read them".to_owned(),
@@ -174,7 +173,8 @@ fn draw<'a>(plot: &mut egui_plot::PlotUi<'a>, curve: Curve) {
 
 /// A wavelength, and each curve's value there.
 fn read(curves: &[(String, Spectrum)], nm: f64) -> Vec<String> {
-    let each = curves.iter().filter_map(|(name, spectrum)| Some(format!("{name} {}", percent(spectrum.value(nm)?))));
+    let each =
+        curves.iter().filter_map(|(name, spectrum)| Some(format!("{name} {}", percent(spectrum.value(nm)?))));
     std::iter::once(format!("{nm:.0} nm")).chain(each).collect()
 }
 
@@ -219,7 +219,8 @@ mod tests {
     use barbule::spectrum::Wavelengths;
 
     fn line(from: f64, to: f64) -> Spectrum {
-        Spectrum::new(Wavelengths::new([400.0, 500.0, 600.0]).unwrap(), vec![from, 0.5 * (from + to), to]).unwrap()
+        Spectrum::new(Wavelengths::new([400.0, 500.0, 600.0]).unwrap(), vec![from, 0.5 * (from + to), to])
+            .unwrap()
     }
 
     #[test]

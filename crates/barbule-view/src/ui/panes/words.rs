@@ -51,13 +51,10 @@ mod tests {
 
     #[test]
     fn times_are_rough() {
-        assert_eq!([0.4, 3.2, 43.0, 600.0, 9000.0].map(about), [
-            "under 1 s",
-            "about 3 s",
-            "about 45 s",
-            "about 10 min",
-            "about 2.5 h"
-        ]);
+        assert_eq!(
+            [0.4, 3.2, 43.0, 600.0, 9000.0].map(about),
+            ["under 1 s", "about 3 s", "about 45 s", "about 10 min", "about 2.5 h"]
+        );
     }
 
     #[test]
@@ -69,9 +66,10 @@ mod tests {
 
     #[test]
     fn numbers_have_three_digits() {
-        assert_eq!([0.0, 1234.6, 45.25, 4.5, 0.123_45, 1.0].map(digits), [
-            "0", "1235", "45.2", "4.5", "0.123", "1"
-        ]);
+        assert_eq!(
+            [0.0, 1234.6, 45.25, 4.5, 0.123_45, 1.0].map(digits),
+            ["0", "1235", "45.2", "4.5", "0.123", "1"]
+        );
         assert_eq!((digits(-12.34).as_str(), digits(0.000_12).as_str()), ("-12.3", "1.20e-4"));
         assert_eq!(percent(0.4567), "45.7 %");
     }
