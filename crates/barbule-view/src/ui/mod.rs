@@ -518,3 +518,6 @@ pub type Farewell = Arc<Mutex<Option<Error>>>;
 pub fn said(farewell: &Farewell) -> Option<Error> {
     farewell.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
+
+#[cfg(test)]
+mod tests;
