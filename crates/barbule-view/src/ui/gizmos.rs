@@ -26,7 +26,7 @@ const MARGIN: f32 = 12.0;
 /// Pictures smaller than this have the scale bar alone, points.
 const LEAST: Vec2 = vec2(280.0, 170.0);
 /// Degrees that a camera turns for a point of the screen.
-pub(super) const DEG_PER_POINT: f64 = 0.4;
+pub(super) const DEG_PER_POINT: f64 = 0.45;
 /// The angular radii that lamps may have, degrees, and how fast the wheel changes them, per point.
 const RADIUS_DEG: [f64; 2] = [0.1, 60.0];
 const RADIUS_PER_POINT: f64 = 0.004;
