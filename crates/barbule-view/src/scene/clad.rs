@@ -20,9 +20,10 @@ pub const SPHERE_MM: f64 = 1.0;
 pub const BARBULE_LAYOUT: Layout =
     Layout { uv_mm: [1.0, 1.0], width_mm: 0.025, length_mm: 0.4, cell_mm: 0.025, swelling: 0.0 };
 
-/// Columns and rows of the ball's quadrangles, and of the vane's across and along.
-const SPHERE: [u32; 2] = [192, 96];
-const VANE: [u32; 2] = [96, 24];
+/// Columns and rows of the ball's quadrangles, and of the vane's across and along: a ball's outline is right to a quarter of a pixel in a
+/// thousand, and processors that draw have few small triangles.
+const SPHERE: [u32; 2] = [96, 48];
+const VANE: [u32; 2] = [48, 6];
 
 /// A piece of a vane, bent about the y axis, along which its barbules lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
