@@ -145,7 +145,8 @@ fn drag(harness: &mut Harness<'_, App>, [from, to]: [Pos2; 2]) {
 
 fn double_click(harness: &mut Harness<'_, App>, at: Pos2) {
     harness.hover_at(at);
-    harness.step();
+    // Long enough after any press before, which would count as one of three.
+    harness.run_steps(40);
     for pressed in [true, false, true, false] {
         harness.event(Event::PointerButton {
             pos: at,
