@@ -276,6 +276,8 @@ pub struct Surfaces {
     keratin: wgpu::RenderPipeline,
     view: wgpu::Buffer,
     group: wgpu::BindGroup,
+    /// Groups 0 and 1 of what has no material: drivers are not trusted with holes.
+    nothing: wgpu::BindGroup,
 }
 
 impl Surfaces {
@@ -298,7 +300,8 @@ impl Surfaces {
         let keratin = of(None, &[SURFACE_KERATIN])?;
         let view = gpu.uniform("view", bytemuck::bytes_of(&ViewUniform::zeroed()));
         let group = gpu.bound("view", &layout, &[view.as_entire_binding()]);
-        Ok(Self { feather, grating, layers, keratin, view, group })
+        let nothing = gpu.bound("nothing", &gpu.layout("nothing", &[]), &[]);
+        Ok(Self { feather, grating, layers, keratin, view, group, nothing })
     }
 
     /// Another view, from the next frame on.
@@ -326,12 +329,11 @@ impl Surfaces {
                 Coat::Keratin => (&self.keratin, None),
             };
             pass.set_pipeline(pipeline);
-            if let Some((material, waves)) = material {
-                pass.set_bind_group(0, waves.group(), &[]);
-                pass.set_bind_group(1, material, &[]);
+            let [waves, material] =
+                material.map_or([&self.nothing; 2], |(material, waves)| [waves.group(), material]);
+            for (number, group) in (0..).zip([waves, material, &self.group, &dress.group]) {
+                pass.set_bind_group(number, group, &[]);
             }
-            pass.set_bind_group(2, &self.group, &[]);
-            pass.set_bind_group(3, &dress.group, &[]);
             pass.draw_indexed(range.clone(), 0, 0..1);
         }
     }
@@ -349,9 +351,12 @@ fn pipeline(
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let (waves, dress) = (WavesOnGpu::layout(gpu), Dress::layout(gpu));
+    let none = gpu.layout("nothing", &[]);
+    let all =
+        [Some(material.map_or(&none, |_| &waves)), Some(material.unwrap_or(&none)), Some(view), Some(&dress)];
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("surfaces"),
-        bind_group_layouts: &[material.map(|_| &waves), material, Some(view), Some(&dress)],
+        bind_group_layouts: &all,
         immediate_size: 0,
     });
     let corners = wgpu::VertexBufferLayout {

@@ -26,7 +26,7 @@ const MARGIN: f32 = 12.0;
 /// Pictures smaller than this have the scale bar alone, points.
 const LEAST: Vec2 = vec2(280.0, 170.0);
 /// Degrees that a camera turns for a point of the screen.
-pub(super) const DEG_PER_POINT: f64 = 0.4;
+pub(super) const DEG_PER_POINT: f64 = 0.45;
 /// The angular radii that lamps may have, degrees, and how fast the wheel changes them, per point.
 const RADIUS_DEG: [f64; 2] = [0.1, 60.0];
 const RADIUS_PER_POINT: f64 = 0.004;
@@ -120,7 +120,7 @@ pub fn seen(ui: &Ui, state: &State) -> Seen {
         return own;
     }
     let (id, of) = (
-        Id::new("the scene's camera"),
+        Id::unique("the scene's camera"),
         (state.subject().text().to_owned(), view.preset.clone(), view.camera),
     );
     if let Some(known) = ui.data(|data| data.get_temp::<Known>(id)).filter(|known| known.of == of) {
@@ -155,7 +155,7 @@ fn lamp(ui: &Ui, rect: Rect, frame: &Frame, light: Light, actions: &mut Vec<Acti
     let reach = BALL * (1.0 + COLLAR as f32) + 6.0;
     let middle = rect.left_bottom() + vec2(MARGIN + reach, -MARGIN - reach);
     let area = Rect::from_center_size(middle, Vec2::splat(2.0 * reach));
-    let response = ui.interact(area, ui.id().with("lamp"), Sense::drag());
+    let response = ui.interact(area, ui.scope_id().with("lamp"), Sense::drag());
     let words = format!(
         "lamp: azimuth {:.0}°, elevation {:.0}°, radius {:.1}°",
         light.azimuth_deg, light.elevation_deg, light.radius_deg
@@ -257,7 +257,7 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
     let reach = AXES + END;
     let middle = rect.right_bottom() - Vec2::splat(MARGIN + reach);
     let area = Rect::from_center_size(middle, Vec2::splat(2.0 * reach));
-    let response = ui.interact(area, ui.id().with("axes"), Sense::click_and_drag());
+    let response = ui.interact(area, ui.scope_id().with("axes"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "axes"));
     let ends = ends(middle, frame);
     let touched = response.hover_pos().or(response.interact_pointer_pos()).and_then(|pointer| {

@@ -71,7 +71,7 @@ fn window(text: &str) -> Harness<'static, (State, Vec<Action>, bool)> {
     let state = State::open(text, &Opening::default(), &Unobserved).unwrap();
     let draw = |ui: &mut egui::Ui, (state, actions, took): &mut (State, Vec<Action>, bool)| {
         let rect = ui.available_rect_before_wrap();
-        ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+        ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
         *took = gizmos(ui, rect, state, actions);
     };
     Harness::builder().with_size(vec2(600.0, 400.0)).build_ui_state(draw, (state, Vec::new(), false))

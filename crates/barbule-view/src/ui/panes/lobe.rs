@@ -164,14 +164,7 @@ fn marks(ui: &Ui, painter: &Painter, disc: Rect, [light, mirror]: [[f64; 2]; 2])
         painter.text(at, Align2::CENTER_BOTTOM, format!("{degrees}°"), font.clone(), Color32::from_gray(200));
     }
     painter.circle_stroke(disc.center(), radius, Stroke::new(1.0, text));
-    painter.text(
-        disc.center_bottom() + vec2(0.0, 2.0),
-        Align2::CENTER_TOP,
-        "across the barbule →",
-        font.clone(),
-        text,
-    );
-    painter.text(disc.center_top() + vec2(0.0, -2.0), Align2::CENTER_BOTTOM, "along ↑", font.clone(), text);
+    axes(painter, disc, &font, text);
     let sun = screen(disc, light);
     painter.circle(sun, 4.5, Color32::from_rgb(240, 228, 66), Stroke::new(1.5, Color32::BLACK));
     name(painter, sun, "light", &font);
@@ -184,6 +177,19 @@ fn marks(ui: &Ui, painter: &Painter, disc: Rect, [light, mirror]: [[f64; 2]; 2])
     if at.distance(sun) > 12.0 {
         name(painter, at, "mirror", &font);
     }
+}
+
+/// The axes beside the disc: across the barbule to the right, along it upwards.
+fn axes(painter: &Painter, disc: Rect, font: &FontId, ink: Color32) {
+    let stroke = Stroke::new(1.2, ink);
+    let corner = disc.left_bottom() + vec2(-0.5 * MARGIN, 0.5 * MARGIN);
+    let long = 2.0 * MARGIN;
+    painter.arrow(corner, vec2(long, 0.0), stroke);
+    painter.arrow(corner, vec2(0.0, -long), stroke);
+    let beside = corner + vec2(long + 4.0, 0.0);
+    painter.text(beside, Align2::LEFT_CENTER, "across the barbule", font.clone(), ink);
+    let above = corner + vec2(-0.4 * MARGIN, -long - 2.0);
+    painter.text(above, Align2::LEFT_BOTTOM, "along", font.clone(), ink);
 }
 
 /// A name beside a mark, readable on any colour.
@@ -252,9 +258,11 @@ fn there(
 
 /// Where a direction is: its slopes across and along the barbule.
 fn direction_words(outgoing: DVec3) -> String {
-    let across = libm::atan2(outgoing.x, outgoing.z).to_degrees();
-    let along = libm::asin(outgoing.y.clamp(-1.0, 1.0)).to_degrees();
-    format!("towards {across:.0}° across, {along:.0}° along the barbule")
+    // A zero that is added takes the sign of another one away.
+    let whole = |radians: f64| radians.to_degrees().round() + 0.0;
+    let across = whole(libm::atan2(outgoing.x, outgoing.z));
+    let along = whole(libm::asin(outgoing.y.clamp(-1.0, 1.0)));
+    format!("towards {across}° across, {along}° along the barbule")
 }
 
 /// Spectrum and sight of a direction, at the viewer's wavelengths that the material has.
