@@ -273,19 +273,11 @@ impl App {
     /// What the picture lacks, said on it.
     fn remark(&self, ui: &mut Ui, rect: egui::Rect, actions: &mut Vec<Action>) {
         let subject = self.state.subject();
-        if self.desk.is_drawn(subject) || self.desk.is_busy() || self.results.own.material.is_some() {
+        let is_whole = self.results.own.material.is_some() || subject.stack().is_some();
+        if is_whole || self.desk.is_making_material() || !matches!(subject.structure(), Ok(Some(_))) {
             return;
         }
-        let is_made = !matches!(subject.structure(), Ok(Some(_))) || subject.stack().is_some();
-        if is_made {
-            return;
-        }
-        let is_set = self.stage.as_ref().is_ok_and(picture::Shared::is_set);
-        let words = if is_set {
-            "The picture shows what was there before: of these sizes there is no material yet."
-        } else {
-            "There is no material of it yet to be drawn."
-        };
+        let words = "Drawn as layers of its mean reflectance: of these sizes there is no material yet, so neither glints nor where its light goes are known.";
         let place = egui::Rect::from_min_max(rect.left_top() + egui::vec2(12.0, 12.0), rect.right_bottom());
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
@@ -407,6 +399,7 @@ impl App {
             Action::MakeMaterial { whole } => self.desk.make_material(&self.state, whole),
             Action::Stop => {
                 self.desk.stop();
+                self.traced.stop();
                 Ok(())
             }
         }
