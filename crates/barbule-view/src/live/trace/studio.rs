@@ -96,11 +96,11 @@ impl Studio {
         });
         if !goes_on {
             self.shot = None;
+            job.check(true)?;
             self.quick(&work)?;
             if desk.is_wanted_elsewhere() {
                 return Err(Error::interrupted());
             }
-            job.check(true)?;
             let film = Arc::new(Film::with(job.size, job.planes())?);
             self.shot = Some(Shot { of, film, taken: Duration::ZERO });
         }

@@ -21,8 +21,9 @@ fn each_place_of_the_dome_is_one_direction() {
                 let place = dome_place(direction, &frame);
                 let back = dome_direction(place, &frame);
                 assert!(back.distance(direction) < 1e-6, "{azimuth_deg} {elevation_deg}: {place:?} {back}");
-                let is_front = direction.dot(frame.towards) >= 0.0;
-                assert_eq!(place[0].hypot(place[1]) <= 1.0 + 1e-12, is_front);
+                // On the rim rounding decides.
+                let near = direction.dot(frame.towards);
+                assert!(near.abs() < 1e-9 || (place[0].hypot(place[1]) <= 1.0) == (near > 0.0));
                 assert!(place[0].hypot(place[1]) <= 1.0 + COLLAR + 1e-12);
             }
         }
@@ -129,6 +130,7 @@ fn the_wheel_over_the_lamp_changes_its_radius() {
     harness.run_steps(1);
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
+        source: egui::MouseWheelSource::Wheel,
         delta: vec2(0.0, 60.0),
         phase: egui::TouchPhase::Move,
         modifiers: egui::Modifiers::NONE,

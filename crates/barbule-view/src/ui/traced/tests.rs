@@ -155,6 +155,7 @@ fn the_wheel_zooms_a_double_click_looks_there_and_a_flight_arrives() {
     harness.run_steps(1);
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
+        source: egui::MouseWheelSource::Wheel,
         delta: vec2(0.0, 50.0),
         phase: egui::TouchPhase::Move,
         modifiers: egui::Modifiers::NONE,
