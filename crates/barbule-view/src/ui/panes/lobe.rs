@@ -11,9 +11,10 @@ use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Painter, Pos2, Rect, Role, Sense, Slider, Stroke, TextStyle,
     TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
-use egui_plot::{Legend, Line, LineStyle};
+use egui_plot::{Line, uniform_grid_spacer};
 
 use super::words::digits;
+use super::style::Pen;
 use super::{Memory, seen, style};
 use crate::live::{
     Hemisphere, Lobe, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of, radius_of,
@@ -246,11 +247,12 @@ fn there(
             }
             let nm = spectrum.wavelengths().nm().iter();
             let points: Vec<[f64; 2]> = nm.zip(spectrum.values()).map(|(nm, value)| [*nm, *value]).collect();
-            let ink = style::own(ui);
-            style::plot("touched", "wavelength (nm)", "\u{3c0}f (white diffuser = 1)")
-                .height(0.7 * style::plot_height(ui))
+            let [pen, _] = Pen::both(ui);
+            ui.weak("\u{3c0}f: 1 is a white diffuser");
+            style::plot("touched", "wavelength (nm)", "\u{3c0}f")
+                .height(0.8 * style::plot_height(ui))
                 .include_y(0.0)
-                .show(ui, |plot| plot.line(Line::new("there", points).color(ink).width(2.0)));
+                .show(ui, |plot| plot.line(Line::new("there", points).color(pen.ink).width(pen.width)));
         }
         Err(error) => style::not_there(ui, &error.to_string()),
     }
@@ -301,8 +303,7 @@ fn far_field(ui: &mut Ui, state: &State, results: &Results) {
             "the lobe appears here once it is computed; make the material to see it in colour",
         );
     }
-    let inks = [style::own(ui), style::pinned(ui)];
-    let dashes = [LineStyle::Solid, style::DASHED];
+    let pens = Pen::both(ui).map(Pen::plain);
     let named = [("open", &own), ("pinned", &pinned)];
     for (whose, lobe) in named.into_iter().filter_map(|(whose, lobe)| Some((whose, lobe.as_ref()?))) {
         ui.label(lobe_words(whose, lobe, state.view().individual));
@@ -311,16 +312,19 @@ fn far_field(ui: &mut Ui, state: &State, results: &Results) {
         .into_iter()
         .map(|(whose, lobe)| (whose.to_owned(), lobe.as_ref().map(points).unwrap_or_default()))
         .collect();
+    let drawn = || curves.iter().zip(pens).filter(|((_, points), _)| !points.is_empty());
+    style::keys(ui, drawn().map(|((whose, _), pen)| (whose.as_str(), pen)));
+    let lines: Vec<(String, Vec<[f64; 2]>, Pen)> =
+        drawn().map(|((whose, points), pen)| (whose.clone(), points.clone(), pen)).collect();
     style::plot("far field", "azimuth (deg)", "intensity (1/rad)")
         .height(style::plot_height(ui))
         .include_y(0.0)
         .include_x(-90.0)
         .include_x(90.0)
-        .legend(Legend::default().follow_insertion_order(true))
+        .x_grid_spacer(uniform_grid_spacer(|_| [10.0, 30.0, 90.0]))
         .show(ui, move |plot| {
-            let each = curves.into_iter().zip(inks).zip(dashes);
-            for (((whose, points), ink), dashes) in each.filter(|(((_, points), _), _)| !points.is_empty()) {
-                plot.line(Line::new(whose, points).color(ink).width(2.0).style(dashes));
+            for (whose, points, pen) in lines {
+                plot.line(Line::new(whose, points).color(pen.ink).width(pen.width).style(pen.dashes));
             }
         });
 }

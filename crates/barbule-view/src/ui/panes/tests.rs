@@ -373,6 +373,7 @@ fn the_comparison_names_what_differs_and_swaps() {
     harness.run_steps(2);
     for words in [
         "colour, people: ΔE00",
+        "shift of the peak",
         "peak",
         "brightness",
         "2: keratin",
