@@ -280,8 +280,10 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
         actions.push(Action::Settle);
     }
     ui.painter().circle_filled(middle, reach, BEHIND);
-    for end in &ends {
-        draw_end(ui, middle, end, touched.is_some_and(|touched| std::ptr::eq(touched, end)));
+    for (index, end) in ends.iter().enumerate() {
+        let is_touched = touched.is_some_and(|touched| std::ptr::eq(touched, end));
+        let is_crowded = ends[index + 1..].iter().any(|near| near.is_named && near.at.distance(end.at) < END);
+        draw_end(ui, middle, end, is_touched, is_crowded);
     }
     let words = format!(
         "camera: azimuth {:.0}°, elevation {:.0}°\ndrag turns it; a click on an end looks from there",
@@ -290,7 +292,8 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
     response.on_hover_cursor(CursorIcon::Grab).on_hover_text(words)
 }
 
-fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool) {
+/// Draws an end of an axis; its name goes below where a nearer one has its own above.
+fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool, is_crowded: bool) {
     let (name, _, colour) = AXIS[end.axis];
     let painter = ui.painter();
     let colour = if end.near < -0.05 { colour.gamma_multiply(0.55) } else { colour };
@@ -298,13 +301,9 @@ fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool) {
     if end.is_named {
         painter.line_segment([middle, end.at], line);
         painter.circle_filled(end.at, 4.0, colour);
-        painter.text(
-            end.at + vec2(0.0, -6.0),
-            Align2::CENTER_BOTTOM,
-            name,
-            FontId::proportional(12.0),
-            if is_touched { Color32::WHITE } else { colour },
-        );
+        let (away, side) = if is_crowded { (6.0, Align2::CENTER_TOP) } else { (-6.0, Align2::CENTER_BOTTOM) };
+        let colour = if is_touched { Color32::WHITE } else { colour };
+        painter.text(end.at + vec2(0.0, away), side, name, FontId::proportional(12.0), colour);
     } else {
         painter.extend(Shape::dashed_line(&[middle, end.at], Stroke::new(1.0, colour), 3.0, 3.0));
         painter.circle_stroke(end.at, 4.0, line);

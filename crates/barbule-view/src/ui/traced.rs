@@ -28,8 +28,8 @@ use barbule::spectrum::sensor::Sensor;
 use barbule::vision::{FalseColour, false_colour};
 use barbule::{DVec3, Result, Unobserved};
 use eframe::egui::{
-    Color32, ColorImage, Context, CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense,
-    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, CursorIcon, Frame, Margin, PointerButton, Pos2, Rect, Response, Role,
+    Sense, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use super::Action;
@@ -265,8 +265,10 @@ fn job(state: &State, settings: &Settings, size: [u32; 2], is_moving: bool) -> R
 /// zooms towards what is under the pointer, and a double click puts that into the middle.
 pub fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action>) {
     memory.listen(ui.ctx());
-    controls::controls(ui, state, memory, actions);
-    controls::told(ui, memory);
+    Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+        controls::controls(ui, state, memory, actions);
+        controls::told(ui, memory);
+    });
     let rect = ui.available_rect_before_wrap();
     if rect.width() < 8.0 || rect.height() < 8.0 {
         return;
