@@ -11,8 +11,11 @@
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
 pub mod gpu;
+#[cfg(feature = "desk")]
 pub mod live;
+pub mod page;
 pub mod scene;
+#[cfg(feature = "desk")]
 pub mod state;
 
 use barbule_base::{Error, Result};
