@@ -5,8 +5,13 @@
 //!   │
 //!   └─────► scene         meshes of what is shown, with the names that the renderer gives their parts
 //!
-//! gpu                     draws, with wgpu and without any window: materials are textures that shaders evaluate, wavelength by wavelength
+//! stage ──► gpu, scene    one shape in what it wears, drawn in real time ──► with wgpu and without any window: materials are textures
+//!                         that shaders evaluate, wavelength by wavelength
+//!
+//! page ──► stage          the viewer in a browser: a few materials, films and a grating
 //! ```
+//!
+//! Feature `desk` (the default) is the program; without it and with `page` the same crate compiles for `wasm32-unknown-unknown`.
 //!
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
@@ -15,6 +20,7 @@ pub mod gpu;
 pub mod live;
 pub mod page;
 pub mod scene;
+pub mod stage;
 #[cfg(feature = "desk")]
 pub mod state;
 

@@ -19,6 +19,7 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 pub struct Film {
     samples: wgpu::TextureView,
     light: wgpu::TextureView,
+    mean: wgpu::TextureView,
     depth: wgpu::TextureView,
     size: [u32; 2],
 }
@@ -53,6 +54,7 @@ impl Film {
             Self {
                 samples: texture("samples", LIGHT, SAMPLES, none),
                 light: texture("light", LIGHT, 1, wgpu::TextureUsages::TEXTURE_BINDING),
+                mean: texture("mean", LIGHT, 1, wgpu::TextureUsages::TEXTURE_BINDING),
                 depth: texture("depth", DEPTH, SAMPLES, none),
                 size: [width, height],
             }
@@ -112,10 +114,21 @@ struct DevelopUniform {
     behind: [f32; 4],
 }
 
-/// Develops films.
+/// A film in a developer.
+#[derive(Debug, Clone)]
+pub struct LoadedFilm {
+    frame: wgpu::BindGroup,
+    mean: wgpu::BindGroup,
+    target: wgpu::TextureView,
+}
+
+/// Develops films, which show the mean of several frames.
 #[derive(Debug, Clone)]
 pub struct Developer {
     pipeline: wgpu::RenderPipeline,
+    /// The first frame in the place of the mean, and the next ones into it.
+    first: wgpu::RenderPipeline,
+    gather: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     uniform: wgpu::Buffer,
     encodes: bool,
@@ -128,16 +141,54 @@ impl Developer {
     /// The driver refuses the shader.
     pub fn new(gpu: &Gpu, format: wgpu::TextureFormat) -> Result<Self> {
         let layout = gpu.layout("develop", &[UNIFORM, texture_type(NUMBERS)]);
-        let pipeline = gpu.checked("the shader of the film", || pipeline(gpu, &layout, format))?;
+        let of = |entry: &str, format: wgpu::TextureFormat, blend: Option<wgpu::BlendState>| {
+            let target = wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL };
+            gpu.checked("the shader of the film", || pipeline(gpu, &layout, entry, target))
+        };
+        let mean = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::Constant,
+            dst_factor: wgpu::BlendFactor::OneMinusConstant,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let pipeline = of("fs_develop", format, None)?;
+        let first = of("fs_gather", LIGHT, None)?;
+        let gather = of("fs_gather", LIGHT, Some(wgpu::BlendState { color: mean, alpha: mean }))?;
         let uniform = gpu.uniform("develop", bytemuck::bytes_of(&DevelopUniform::zeroed()));
-        Ok(Self { pipeline, layout, uniform, encodes: format.is_srgb() })
+        Ok(Self { pipeline, first, gather, layout, uniform, encodes: format.is_srgb() })
     }
 
-    /// The film as a group to be bound; for as long as this film is shown.
+    /// The film as groups to be bound; for as long as this film is shown.
     #[must_use]
-    pub fn load(&self, gpu: &Gpu, film: &Film) -> wgpu::BindGroup {
-        let light = wgpu::BindingResource::TextureView(&film.light);
-        gpu.bound("develop", &self.layout, &[self.uniform.as_entire_binding(), light])
+    pub fn load(&self, gpu: &Gpu, film: &Film) -> LoadedFilm {
+        let group = |label: &str, view: &wgpu::TextureView| {
+            let picture = wgpu::BindingResource::TextureView(view);
+            gpu.bound(label, &self.layout, &[self.uniform.as_entire_binding(), picture])
+        };
+        LoadedFilm {
+            frame: group("frame", &film.light),
+            mean: group("mean", &film.mean),
+            target: film.mean.clone(),
+        }
+    }
+
+    /// Takes the newest frame into the mean of all since the film was last begun anew; `frames` are they with it.
+    pub fn gather(&self, encoder: &mut wgpu::CommandEncoder, film: &LoadedFilm, frames: u32) {
+        let attachment = wgpu::RenderPassColorAttachment {
+            view: &film.target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+        };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("gather"),
+            color_attachments: &[Some(attachment)],
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let share = 1.0 / f64::from(frames.max(1));
+        pass.set_pipeline(if frames <= 1 { &self.first } else { &self.gather });
+        pass.set_blend_constant(wgpu::Color { r: share, g: share, b: share, a: share });
+        pass.set_bind_group(0, &film.frame, &[]);
+        pass.draw(0..3, 0..1);
     }
 
     /// Another exposure, from the next frame on.
@@ -151,14 +202,19 @@ impl Developer {
     }
 
     /// Shows a loaded film in a pass, over all of its viewport.
-    pub fn develop(&self, pass: &mut wgpu::RenderPass<'_>, film: &wgpu::BindGroup) {
+    pub fn develop(&self, pass: &mut wgpu::RenderPass<'_>, film: &LoadedFilm) {
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(0, film, &[]);
+        pass.set_bind_group(0, &film.mean, &[]);
         pass.draw(0..3, 0..1);
     }
 }
 
-fn pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, format: wgpu::TextureFormat) -> wgpu::RenderPipeline {
+fn pipeline(
+    gpu: &Gpu,
+    layout: &wgpu::BindGroupLayout,
+    entry: &str,
+    target: wgpu::ColorTargetState,
+) -> wgpu::RenderPipeline {
     let device = gpu.device();
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("develop"),
@@ -180,9 +236,9 @@ fn pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, format: wgpu::TextureForm
         },
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("fs_develop"),
+            entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(format.into())],
+            targets: &[Some(target)],
         }),
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: None,

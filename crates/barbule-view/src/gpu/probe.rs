@@ -5,8 +5,9 @@ use glam::DVec3;
 use super::colour::WavesOnGpu;
 use super::device::{Gpu, NUMBERS, texture_type};
 use super::grating::Grating;
+use super::layers::Layers;
 use super::offscreen::Target;
-use super::shaders::{FEATHER, GRATING, TONE, WAVES};
+use super::shaders::{FEATHER, GRATING, LAYERS, TONE, WAVES};
 use super::tables::{Feather, WIDTH};
 use crate::Result;
 
@@ -23,6 +24,8 @@ pub enum Shader {
     Feather,
     /// A grating's; bound are its wavelengths and its tables.
     Grating,
+    /// Layers'; bound are their wavelengths and their tables. Wavelengths of questions are numbers in the tables.
+    Layers,
     /// The screen's tones; nothing is bound.
     Tone,
 }
@@ -73,6 +76,7 @@ impl Shader {
         match self {
             Self::Feather => [WAVES, FEATHER, probe, include_str!("shaders/probe_feather.wgsl")].concat(),
             Self::Grating => [WAVES, GRATING, probe, include_str!("shaders/probe_grating.wgsl")].concat(),
+            Self::Layers => [WAVES, LAYERS, probe, include_str!("shaders/probe_layers.wgsl")].concat(),
             Self::Tone => [TONE, probe, include_str!("shaders/probe_tone.wgsl")].concat(),
         }
     }
@@ -82,6 +86,7 @@ impl Shader {
         match self {
             Self::Feather => [Some(WavesOnGpu::layout(gpu)), Some(Feather::layout(gpu))],
             Self::Grating => [Some(WavesOnGpu::layout(gpu)), Some(Grating::layout(gpu))],
+            Self::Layers => [Some(WavesOnGpu::layout(gpu)), Some(Layers::layout(gpu))],
             Self::Tone => [None, None],
         }
     }

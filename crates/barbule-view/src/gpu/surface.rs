@@ -1,55 +1,65 @@
 //! Meshes under a lamp and an even sky: `shaders/surface.wgsl` and those that go with it.
 
+use std::mem::offset_of;
+use std::ops::Range;
+
 use barbule_appearance::bsdf;
-use barbule_light::spectrum::Wavelengths;
-use barbule_light::spectrum::colour::Observer;
 use bytemuck::{Pod, Zeroable};
 use glam::{Mat4, Vec3};
 
-use super::colour::WavesOnGpu;
+use super::colour::{Sight, WavesOnGpu};
 use super::device::{Gpu, UNIFORM};
 use super::film::{DEPTH, Film, LIGHT, SAMPLES};
 use super::grating::Grating;
-use super::shaders::{FEATHER, GRATING, KERATIN, SURFACE, SURFACE_FEATHER, SURFACE_GRATING, WAVES};
+use super::layers::Layers;
+use super::shaders::{
+    FEATHER, GRATING, KERATIN, LAYERS, SURFACE, SURFACE_FEATHER, SURFACE_GRATING, SURFACE_KERATIN,
+    SURFACE_LAYERS, WAVES,
+};
 use super::tables::Feather;
-use crate::{Error, Result};
+use crate::Result;
+use crate::scene::{Shape, Vertex};
 
-/// Bytes of a corner.
-const CORNER: u64 = 64;
-
-/// What corners hold, in their order: position, normal and tangent (three numbers each), place (two), slope and half width,
-/// part, and the two words of the name.
-const ATTRIBUTES: [wgpu::VertexAttribute; 7] = wgpu::vertex_attr_array![
-    0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Float32x2, 4 => Float32x2, 5 => Uint32, 6 => Uint32x2,
+/// What corners hold, in the order of [`Vertex`]: position, normal and tangent (three numbers each), place (two), slope and half width,
+/// and, after the part, the two words of the name.
+const ATTRIBUTES: [wgpu::VertexAttribute; 6] = [
+    attribute(0, wgpu::VertexFormat::Float32x3, offset_of!(Vertex, position_mm)),
+    attribute(1, wgpu::VertexFormat::Float32x3, offset_of!(Vertex, normal)),
+    attribute(2, wgpu::VertexFormat::Float32x3, offset_of!(Vertex, tangent)),
+    attribute(3, wgpu::VertexFormat::Float32x2, offset_of!(Vertex, place)),
+    attribute(4, wgpu::VertexFormat::Float32x2, offset_of!(Vertex, swelling)),
+    attribute(5, wgpu::VertexFormat::Uint32x2, offset_of!(Vertex, name)),
 ];
+
+const fn attribute(shader_location: u32, format: wgpu::VertexFormat, offset: usize) -> wgpu::VertexAttribute {
+    wgpu::VertexAttribute { format, offset: offset as u64, shader_location }
+}
 
 /// A mesh on the graphics card.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     corners: wgpu::Buffer,
     triangles: wgpu::Buffer,
-    count: u32,
+    parts: Vec<(u32, Range<u32>)>,
+    bytes: u64,
 }
 
 impl Mesh {
-    /// - `corners`: of 64 bytes each, position (mm), unit normal and unit tangent along the barbule, place on it, slope at the ends
-    ///   of its cells (rad), half its width (mm), all single precision; then its part and the low and the high word of its name
-    /// - `triangles`: numbers of corners, counter-clockwise seen from the upper side
+    /// Uploads a shape, the triangles of each part together.
     ///
     /// # Errors
-    /// Bytes that are not whole corners, a corner that does not exist, or too little memory.
-    pub fn new(gpu: &Gpu, corners: &[u8], triangles: &[[u32; 3]]) -> Result<Self> {
-        let count = corners.len() as u64 / CORNER;
-        if corners.len() as u64 % CORNER != 0 {
-            return Err(Error::machine(format!(
-                "the mesh is not drawn: its corners have {} bytes, not {CORNER} each",
-                corners.len()
-            )));
-        }
-        if let Some(corner) = triangles.iter().flatten().find(|corner| u64::from(**corner) >= count) {
-            return Err(Error::machine(format!(
-                "the mesh is not drawn: corner {corner} of {count} does not exist"
-            )));
+    /// As [`Shape::check`], or too little memory.
+    pub fn new(gpu: &Gpu, shape: &Shape) -> Result<Self> {
+        shape.check()?;
+        let code = |corners: &[u32; 3]| shape.vertices[corners[0] as usize].part;
+        let mut triangles = shape.triangles.clone();
+        triangles.sort_by_key(code);
+        let mut parts = Vec::new();
+        let mut from = 0;
+        for part in triangles.chunk_by(|a, b| code(a) == code(b)) {
+            let to = from + 3 * part.len() as u32;
+            parts.push((code(&part[0]), from..to));
+            from = to;
         }
         gpu.checked("a mesh", || {
             let buffer = |label: &str, bytes: &[u8], usage: wgpu::BufferUsages| {
@@ -62,12 +72,25 @@ impl Mesh {
                 gpu.queue().write_buffer(&buffer, 0, bytes);
                 buffer
             };
+            let (corners, indices) = (shape.vertex_bytes(), bytemuck::cast_slice(&triangles));
             Self {
+                bytes: (corners.len() + size_of_val(indices)) as u64,
                 corners: buffer("corners", corners, wgpu::BufferUsages::VERTEX),
-                triangles: buffer("triangles", bytemuck::cast_slice(triangles), wgpu::BufferUsages::INDEX),
-                count: 3 * triangles.len() as u32,
+                triangles: buffer("triangles", indices, wgpu::BufferUsages::INDEX),
+                parts,
             }
         })
+    }
+
+    /// Codes of its parts, rising: [`Part::code`](crate::scene::Part::code).
+    pub fn parts(&self) -> impl Iterator<Item = u32> + '_ {
+        self.parts.iter().map(|(code, _)| *code)
+    }
+
+    /// What its buffers hold, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 }
 
@@ -156,10 +179,8 @@ struct KeratinUniform {
 }
 
 impl KeratinUniform {
-    fn new(keratin: &bsdf::Keratin, observer: Observer) -> Result<Self> {
-        let wavelengths = Wavelengths::new((360..=830).map(f64::from).collect::<Vec<_>>())?;
-        let body: Vec<f64> = wavelengths.nm().iter().map(|nm| keratin.body().at(*nm)).collect();
-        let [r, g, b] = observer.weights(&wavelengths).linear_rgb(&body).map(|v| v as f32);
+    fn new(keratin: &bsdf::Keratin, sight: &Sight) -> Result<Self> {
+        let [r, g, b] = sight.shown(&|nm| keratin.body().at(nm))?.map(|v| v as f32);
         let (boundary, mean) = keratin.boundary();
         let mut albedo = [[0.0; 4]; 9];
         for (place, value) in albedo.as_flattened_mut().iter_mut().zip(boundary) {
@@ -170,48 +191,80 @@ impl KeratinUniform {
     }
 }
 
-/// What is beside the barbules' BRDF.
+/// What is beside a part's own scattering.
 #[derive(Debug, Clone, Copy)]
-pub struct Dress<'a> {
+pub struct Trim<'a> {
     /// How barbules differ from place to place.
     pub cells: bsdf::Cells,
-    /// Their undersides, and the walls between cells.
-    pub under: &'a bsdf::Keratin,
-    /// Rami.
-    pub ramus: &'a bsdf::Keratin,
-    /// Shafts.
-    pub shaft: &'a bsdf::Keratin,
+    /// Undersides, walls between cells, and all of what has no coat of its own.
+    pub keratin: &'a bsdf::Keratin,
 }
 
 /// `Dress` of the shader.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 struct DressUniform {
-    keratins: [KeratinUniform; 3],
+    keratin: KeratinUniform,
     cells: [f32; 4],
     arch: [f32; 4],
 }
 
+/// A part's trim on the graphics card.
+#[derive(Debug, Clone)]
+pub struct Dress {
+    group: wgpu::BindGroup,
+    uniform: wgpu::Buffer,
+}
+
 impl DressUniform {
-    fn new(dress: &Dress<'_>, observer: Observer) -> Result<Self> {
-        let of = |keratin: &bsdf::Keratin| KeratinUniform::new(keratin, observer);
-        let bsdf::Cells { size, barbule_size, wall_mm, arch } = dress.cells;
+    fn new(trim: &Trim<'_>, sight: &Sight) -> Result<Self> {
+        let bsdf::Cells { size, barbule_size, wall_mm, arch } = trim.cells;
         let arch = arch.map_or([0.0; 4], |arch| [arch.low.sin(), arch.high.sin(), arch.blur, 1.0]);
         Ok(Self {
-            keratins: [of(dress.under)?, of(dress.ramus)?, of(dress.shaft)?],
+            keratin: KeratinUniform::new(trim.keratin, sight)?,
             cells: [size, barbule_size, wall_mm, 0.0].map(|v| v as f32),
             arch: arch.map(|v| v as f32),
         })
     }
 }
 
-/// What upper sides are made of.
+impl Dress {
+    /// Uploads a trim, as somebody sees it.
+    ///
+    /// # Errors
+    /// None, as long as wavelengths rise.
+    pub fn new(gpu: &Gpu, trim: &Trim<'_>, sight: &Sight) -> Result<Self> {
+        let uniform = gpu.uniform("dress", bytemuck::bytes_of(&DressUniform::new(trim, sight)?));
+        let group = gpu.bound("dress", &Self::layout(gpu), &[uniform.as_entire_binding()]);
+        Ok(Self { group, uniform })
+    }
+
+    /// Another in its place, from the next frame on.
+    ///
+    /// # Errors
+    /// As [`Dress::new`].
+    pub fn change(&self, gpu: &Gpu, trim: &Trim<'_>, sight: &Sight) -> Result<()> {
+        let uniform = DressUniform::new(trim, sight)?;
+        gpu.queue().write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+        Ok(())
+    }
+
+    fn layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
+        gpu.layout("dress", &[UNIFORM])
+    }
+}
+
+/// What the upper sides of a part are made of, and at which wavelengths of its tables it is drawn.
 #[derive(Debug, Clone, Copy)]
 pub enum Coat<'a> {
     /// Barbules.
-    Feather(&'a Feather),
+    Feather(&'a Feather, &'a WavesOnGpu),
     /// A grating.
-    Grating(&'a Grating),
+    Grating(&'a Grating, &'a WavesOnGpu),
+    /// Layers on a rough surface.
+    Layers(&'a Layers, &'a WavesOnGpu),
+    /// Nothing but the keratin of its trim.
+    Keratin,
 }
 
 /// Draws meshes.
@@ -219,8 +272,9 @@ pub enum Coat<'a> {
 pub struct Surfaces {
     feather: wgpu::RenderPipeline,
     grating: wgpu::RenderPipeline,
+    layers: wgpu::RenderPipeline,
+    keratin: wgpu::RenderPipeline,
     view: wgpu::Buffer,
-    dress: wgpu::Buffer,
     group: wgpu::BindGroup,
 }
 
@@ -230,19 +284,21 @@ impl Surfaces {
     /// # Errors
     /// The driver refuses one.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let layout = gpu.layout_for("view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM, UNIFORM]);
-        let of = |material: &wgpu::BindGroupLayout, sources: [&str; 2]| {
-            let [first, last] = sources;
-            let source = [WAVES, first, KERATIN, SURFACE, last].concat();
+        let layout = gpu.layout_for("view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
+        let of = |material: Option<&wgpu::BindGroupLayout>, own: &[&str]| {
+            let source = [own, &[KERATIN, SURFACE]].concat().concat();
             gpu.checked("the shader of surfaces", || pipeline(gpu, material, &layout, source))
         };
-        let feather = of(&Feather::layout(gpu), [FEATHER, SURFACE_FEATHER])?;
-        let grating = of(&Grating::layout(gpu), [GRATING, SURFACE_GRATING])?;
+        let of_material = |material: &wgpu::BindGroupLayout, [first, last]: [&str; 2]| {
+            of(Some(material), &[WAVES, first, last])
+        };
+        let feather = of_material(&Feather::layout(gpu), [FEATHER, SURFACE_FEATHER])?;
+        let grating = of_material(&Grating::layout(gpu), [GRATING, SURFACE_GRATING])?;
+        let layers = of_material(&Layers::layout(gpu), [LAYERS, SURFACE_LAYERS])?;
+        let keratin = of(None, &[SURFACE_KERATIN])?;
         let view = gpu.uniform("view", bytemuck::bytes_of(&ViewUniform::zeroed()));
-        let dress = gpu.uniform("dress", bytemuck::bytes_of(&DressUniform::zeroed()));
-        let both = [view.as_entire_binding(), dress.as_entire_binding()];
-        let group = gpu.bound("view", &layout, &both);
-        Ok(Self { feather, grating, view, dress, group })
+        let group = gpu.bound("view", &layout, &[view.as_entire_binding()]);
+        Ok(Self { feather, grating, layers, keratin, view, group })
     }
 
     /// Another view, from the next frame on.
@@ -250,43 +306,40 @@ impl Surfaces {
         gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(&view.uniform()));
     }
 
-    /// Other cells and keratin, as an observer sees it, from the next frame on.
-    ///
-    /// # Errors
-    /// None, as long as wavelengths rise.
-    pub fn dress(&self, gpu: &Gpu, dress: &Dress<'_>, observer: Observer) -> Result<()> {
-        let uniform = DressUniform::new(dress, observer)?;
-        gpu.queue().write_buffer(&self.dress, 0, bytemuck::bytes_of(&uniform));
-        Ok(())
-    }
-
-    /// One frame: a mesh on a film, which is empty before it.
-    pub fn draw(
+    /// One frame: a mesh on a film, which is empty before it; `wear` says of the code of each of its parts what that wears.
+    pub fn draw<'a>(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         film: &Film,
         mesh: &Mesh,
-        waves: &WavesOnGpu,
-        coat: Coat<'_>,
+        wear: impl Fn(u32) -> (Coat<'a>, &'a Dress),
     ) {
-        let (pipeline, material) = match coat {
-            Coat::Feather(feather) => (&self.feather, feather.group()),
-            Coat::Grating(grating) => (&self.grating, grating.group()),
-        };
         let mut pass = film.begin(encoder);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, waves.group(), &[]);
-        pass.set_bind_group(1, material, &[]);
-        pass.set_bind_group(2, &self.group, &[]);
         pass.set_vertex_buffer(0, mesh.corners.slice(..));
         pass.set_index_buffer(mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..mesh.count, 0, 0..1);
+        for (code, range) in &mesh.parts {
+            let (coat, dress) = wear(*code);
+            let (pipeline, material) = match coat {
+                Coat::Feather(feather, waves) => (&self.feather, Some((feather.group(), waves))),
+                Coat::Grating(grating, waves) => (&self.grating, Some((grating.group(), waves))),
+                Coat::Layers(layers, waves) => (&self.layers, Some((layers.group(), waves))),
+                Coat::Keratin => (&self.keratin, None),
+            };
+            pass.set_pipeline(pipeline);
+            if let Some((material, waves)) = material {
+                pass.set_bind_group(0, waves.group(), &[]);
+                pass.set_bind_group(1, material, &[]);
+            }
+            pass.set_bind_group(2, &self.group, &[]);
+            pass.set_bind_group(3, &dress.group, &[]);
+            pass.draw_indexed(range.clone(), 0, 0..1);
+        }
     }
 }
 
 fn pipeline(
     gpu: &Gpu,
-    material: &wgpu::BindGroupLayout,
+    material: Option<&wgpu::BindGroupLayout>,
     view: &wgpu::BindGroupLayout,
     source: String,
 ) -> wgpu::RenderPipeline {
@@ -295,14 +348,14 @@ fn pipeline(
         label: Some("surfaces"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
-    let waves = WavesOnGpu::layout(gpu);
+    let (waves, dress) = (WavesOnGpu::layout(gpu), Dress::layout(gpu));
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("surfaces"),
-        bind_group_layouts: &[Some(&waves), Some(material), Some(view)],
+        bind_group_layouts: &[material.map(|_| &waves), material, Some(view), Some(&dress)],
         immediate_size: 0,
     });
     let corners = wgpu::VertexBufferLayout {
-        array_stride: CORNER,
+        array_stride: size_of::<Vertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &ATTRIBUTES,
     };

@@ -18,7 +18,7 @@ pub use far_fields::{check_far_fields, far_fields};
 pub use inverse::inverse;
 pub use lobes::{Hemispheres, ParameterMaps, tiled, title};
 pub(crate) use section::scale_bar_of;
-pub use section::section;
+pub use section::{section, shade};
 pub use segment::segment;
 pub use simulated::{FieldPatterns, FitCurves, InstancePatterns, NoiseCurves, statistics_of_fits};
 pub use spectrum::{Simulated, spectra};

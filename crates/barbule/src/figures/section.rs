@@ -172,7 +172,7 @@ fn zoom_window(section: &Section) -> [f64; 4] {
 }
 
 /// Shade of a substance.
-pub(super) fn shade(substance: &Substance) -> [u8; 3] {
+pub fn shade(substance: &Substance) -> [u8; 3] {
     match substance {
         Substance::Named(name) if name == "air" => [255, 255, 255],
         Substance::Named(name) if name == "keratin" => [205, 205, 205],

@@ -23,11 +23,21 @@ fn vs_develop(@builtin(vertex_index) corner: u32) -> Whole {
     return Whole(vec4f(2.0 * place.x - 1.0, 1.0 - 2.0 * place.y, 0.0, 1.0), place);
 }
 
-@fragment
-fn fs_develop(whole: Whole) -> @location(0) vec4f {
+fn develop_pixel(whole: Whole) -> vec4f {
     let size = vec2f(textureDimensions(develop_light));
     let at = vec2i(clamp(floor(whole.place * size), vec2f(0.0), size - 1.0));
-    let light = textureLoad(develop_light, at, 0);
+    return textureLoad(develop_light, at, 0);
+}
+
+// A frame as it is, to be mixed into the mean.
+@fragment
+fn fs_gather(whole: Whole) -> @location(0) vec4f {
+    return develop_pixel(whole);
+}
+
+@fragment
+fn fs_develop(whole: Whole) -> @location(0) vec4f {
+    let light = develop_pixel(whole);
     let linear = (light.xyz + (1.0 - light.w) * develop.behind.xyz) * develop.how.x;
     let shown = tone_shown(linear, develop.how.y > 0.5);
     if develop.how.z > 0.5 {

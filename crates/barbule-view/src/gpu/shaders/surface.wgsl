@@ -1,5 +1,5 @@
 // Meshes under one lamp and an even sky, seen from one place, in linear sRGB. Goes with keratin.wgsl, and with one of
-// surface_feather.wgsl and surface_grating.wgsl.
+// surface_feather.wgsl, surface_grating.wgsl, surface_layers.wgsl and surface_keratin.wgsl.
 //
 // As in the renderer, the viewer's direction is the one that tables are looked up with, and the lamp's is the other.
 
@@ -22,8 +22,8 @@ struct View {
 @group(2) @binding(0) var<uniform> view: View;
 
 struct Dress {
-    // Keratin of barbules' undersides and walls, of rami, of shafts.
-    keratins: array<Keratin, 3>,
+    // Keratin of undersides and of walls between cells; of all that has no other coat.
+    keratin: Keratin,
     // Deviation of the nanostructure's size from cell to cell and from barbule to barbule, as shares; length of the walls between
     // cells, mm.
     cells: vec4f,
@@ -31,7 +31,7 @@ struct Dress {
     arch: vec4f,
 }
 
-@group(2) @binding(1) var<uniform> dress: Dress;
+@group(3) @binding(0) var<uniform> dress: Dress;
 
 struct Corner {
     @location(0) position: vec3f,
@@ -40,8 +40,7 @@ struct Corner {
     @location(3) place: vec2f,
     // Slope at the ends of cells, rad, and half the barbule's width, mm.
     @location(4) shape: vec2f,
-    @location(5) part: u32,
-    @location(6) name: vec2u,
+    @location(5) name: vec2u,
 }
 
 struct Surface {
@@ -51,8 +50,7 @@ struct Surface {
     @location(2) tangent: vec3f,
     @location(3) place: vec2f,
     @location(4) shape: vec2f,
-    @location(5) @interpolate(flat, either) part: u32,
-    @location(6) @interpolate(flat, either) name: vec2u,
+    @location(5) @interpolate(flat, either) name: vec2u,
 }
 
 @vertex
@@ -64,7 +62,6 @@ fn vs_surface(corner: Corner) -> Surface {
     surface.tangent = corner.tangent;
     surface.place = corner.place;
     surface.shape = corner.shape;
-    surface.part = corner.part;
     surface.name = corner.name;
     return surface;
 }
@@ -101,4 +98,10 @@ fn light_of(local: Local, f: vec3f, reflected: vec3f) -> vec4f {
     let light = pi * view.lamp.w * max(local.to_lamp.z, 0.0) * f + view.sky.xyz * reflected;
     // Half precision ends at 65504.
     return vec4f(clamp(light, vec3f(-60000.0), vec3f(60000.0)), 1.0);
+}
+
+// What shines from keratin.
+fn keratin_light(local: Local) -> vec4f {
+    let f = keratin_colour(dress.keratin, local.to_eye, local.to_lamp);
+    return light_of(local, f, keratin_albedo_colour(dress.keratin, local.to_eye));
 }

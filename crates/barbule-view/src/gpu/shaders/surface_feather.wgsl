@@ -1,8 +1,5 @@
-// Surfaces of barbules, barbs and shafts. Goes with waves.wgsl, feather.wgsl, keratin.wgsl and surface.wgsl.
+// Surfaces of barbules. Goes with waves.wgsl, feather.wgsl, keratin.wgsl and surface.wgsl.
 
-// Parts of meshes; zones of a feather are 16 apart.
-const PART_RAMUS: u32 = 4u;
-const PART_SHAFT: u32 = 5u;
 // Below this share of their contrast nobody sees instances.
 const LEAST_CONTRAST: f32 = 0.1;
 // Over this blur an arch's width is even within a few percent.
@@ -136,13 +133,10 @@ fn fs_surface(surface: Surface, @builtin(front_facing) is_front: bool) -> @locat
     let pixel = cross(dpdx(surface.position), dpdy(surface.position));
     let cell = cell_of(surface.name, surface.place, surface.shape, 0.5 * sqrt(length(pixel)));
     let local = local_of(surface, is_front, cell.pitch);
-    let part = surface.part % 16u;
-    if part < PART_RAMUS && is_front && !cell.is_wall {
+    if is_front && !cell.is_wall {
         let size = size_of(cell);
         let f = barbule_colour(local.to_eye, local.to_lamp, cell, size);
         return light_of(local, f, feather_albedo_colour(local.to_eye, size));
     }
-    let keratin = dress.keratins[select(select(0u, 1u, part == PART_RAMUS), 2u, part == PART_SHAFT)];
-    let f = keratin_colour(keratin, local.to_eye, local.to_lamp);
-    return light_of(local, f, keratin_albedo_colour(keratin, local.to_eye));
+    return keratin_light(local);
 }

@@ -4,9 +4,7 @@
 fn fs_surface(surface: Surface, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {
     let local = local_of(surface, is_front, 0.0);
     if is_front {
-        let f = grating_colour(local.to_eye, local.to_lamp);
-        return light_of(local, f, grating_albedo_colour(local.to_eye));
+        return light_of(local, grating_colour(local.to_eye, local.to_lamp), grating_albedo_colour(local.to_eye));
     }
-    let f = keratin_colour(dress.keratins[0], local.to_eye, local.to_lamp);
-    return light_of(local, f, keratin_albedo_colour(dress.keratins[0], local.to_eye));
+    return keratin_light(local);
 }
