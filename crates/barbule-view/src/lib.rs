@@ -15,13 +15,21 @@
 //!
 //! Angles are radians inside and degrees where people read them, lengths of scenes mm, of structures µm, of films and of wavelengths nm.
 
+#[cfg(feature = "desk")]
+pub mod arguments;
 pub mod gpu;
+#[cfg(feature = "desk")]
+pub mod headless;
 #[cfg(feature = "desk")]
 pub mod live;
 pub mod page;
 pub mod scene;
+#[cfg(feature = "desk")]
+pub mod show;
 pub mod stage;
 #[cfg(feature = "desk")]
 pub mod state;
+#[cfg(feature = "desk")]
+pub mod ui;
 
 use barbule_base::{Error, Result};

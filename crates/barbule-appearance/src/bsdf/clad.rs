@@ -62,7 +62,8 @@ impl Clad {
     }
 
     /// What a barbule is made of.
-    pub(super) fn barbule(&self) -> &BarbuleSurface {
+    #[must_use]
+    pub fn barbule(&self) -> &BarbuleSurface {
         &self.barbule
     }
 

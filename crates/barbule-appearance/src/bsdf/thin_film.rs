@@ -97,6 +97,12 @@ impl ThinFilm {
         Ok(Self { ggx, reflected, body })
     }
 
+    /// What the layers reflect of unpolarized light at the cosine of an angle between light and facet.
+    #[must_use]
+    pub fn reflected(&self, cosine: f64, wavelengths: Lambdas) -> [f64; WAVES] {
+        self.reflected.at(cosine.clamp(0.0, 1.0), &self.reflected.grid.waves(wavelengths))
+    }
+
     /// At a hit, seen from `wo`.
     #[inline]
     pub(super) fn bind(&self, hit: &Hit, wo: DVec3, wavelengths: Lambdas) -> Bsdf<'_> {

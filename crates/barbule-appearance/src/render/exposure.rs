@@ -53,11 +53,12 @@ fn brightest(xyz: [f64; 3]) -> f64 {
     rgb_from_xyz(xyz).into_iter().fold(0.0, f64::max)
 }
 
-/// As [`automatic`], from luminances and largest components of the same pixels.
-fn balanced(luminances: Vec<f64>, mut largest: Vec<f64>) -> f64 {
+/// As [`automatic`], from luminances and largest components in linear sRGB of the same pixels; 1 where there are none.
+#[must_use]
+pub fn balanced(luminances: Vec<f64>, mut largest: Vec<f64>) -> f64 {
     let count = luminances.len() as f64;
     let mean = luminances.iter().sum::<f64>() / count;
-    if !(mean.is_finite() && mean > 0.0) {
+    if !(mean.is_finite() && mean > 0.0) || largest.is_empty() {
         return 1.0;
     }
     let logarithm = luminances.iter().map(|value| libm::log(value.max(DARKEST * mean))).sum::<f64>() / count;

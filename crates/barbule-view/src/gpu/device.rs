@@ -118,6 +118,15 @@ impl Gpu {
         self.device.limits().max_texture_dimension_2d
     }
 
+    /// Waits until all that was handed to the adapter is done.
+    ///
+    /// # Errors
+    /// The adapter was lost.
+    pub fn wait(&self) -> Result<()> {
+        let done = self.device.poll(wgpu::PollType::wait_indefinitely());
+        done.map(|_| ()).map_err(|error| Error::machine(format!("{self} does not answer: {error}")))
+    }
+
     /// Makes resources, with a sentence where the driver refuses them. Browsers tell of that later, on their console.
     ///
     /// # Errors

@@ -2,8 +2,10 @@
 
 use barbule_appearance::scene::description::ToneWord;
 use bytemuck::{Pod, Zeroable};
+use half::f16;
 
 use super::device::{Gpu, NUMBERS, UNIFORM, texture_type};
+use super::offscreen::read_texture;
 use super::shaders::{DEVELOP, TONE};
 use crate::{Error, Result};
 
@@ -19,6 +21,7 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 pub struct Film {
     samples: wgpu::TextureView,
     light: wgpu::TextureView,
+    resolved: wgpu::Texture,
     mean: wgpu::TextureView,
     depth: wgpu::TextureView,
     size: [u32; 2],
@@ -38,7 +41,7 @@ impl Film {
         }
         gpu.checked("the film", || {
             let texture = |label: &str, format, sample_count, usage| {
-                let texture = gpu.device().create_texture(&wgpu::TextureDescriptor {
+                gpu.device().create_texture(&wgpu::TextureDescriptor {
                     label: Some(label),
                     size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
                     mip_level_count: 1,
@@ -47,15 +50,17 @@ impl Film {
                     format,
                     usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
                     view_formats: &[],
-                });
-                texture.create_view(&wgpu::TextureViewDescriptor::default())
+                })
             };
-            let none = wgpu::TextureUsages::empty();
+            let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let (none, read) = (wgpu::TextureUsages::empty(), wgpu::TextureUsages::TEXTURE_BINDING);
+            let resolved = texture("light", LIGHT, 1, read | wgpu::TextureUsages::COPY_SRC);
             Self {
-                samples: texture("samples", LIGHT, SAMPLES, none),
-                light: texture("light", LIGHT, 1, wgpu::TextureUsages::TEXTURE_BINDING),
-                mean: texture("mean", LIGHT, 1, wgpu::TextureUsages::TEXTURE_BINDING),
-                depth: texture("depth", DEPTH, SAMPLES, none),
+                samples: view(&texture("samples", LIGHT, SAMPLES, none)),
+                light: view(&resolved),
+                resolved,
+                mean: view(&texture("mean", LIGHT, 1, read)),
+                depth: view(&texture("depth", DEPTH, SAMPLES, none)),
                 size: [width, height],
             }
         })
@@ -65,6 +70,16 @@ impl Film {
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
         self.size
+    }
+
+    /// The newest frame: linear sRGB times the share of the pixel that is covered, and that share, row by row. Waits for what was drawn.
+    ///
+    /// # Errors
+    /// As [`read_texture`].
+    pub fn read(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>> {
+        let bytes = read_texture(gpu, &self.resolved)?;
+        let number = |bytes: &[u8; 2]| f16::from_le_bytes(*bytes).to_f32();
+        Ok(bytes.as_chunks().0.as_chunks().0.iter().map(|four| four.each_ref().map(number)).collect())
     }
 
     /// A pass over the film, which is empty before it.

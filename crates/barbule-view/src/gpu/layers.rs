@@ -51,6 +51,9 @@ pub struct Layers {
 }
 
 impl Reflected {
+    /// Steps of the cosine with which multilayers of some µm are right to 1e-3 of their peak from 0 to 84°.
+    pub const STEPS: usize = 512;
+
     /// The angles of the steps, rad, from 90° (just under) to 0.
     #[must_use]
     pub fn angles(steps: usize) -> Vec<f64> {

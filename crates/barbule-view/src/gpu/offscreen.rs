@@ -75,32 +75,40 @@ impl Target {
     /// # Errors
     /// The adapter was lost, or has too little memory.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<u8>> {
-        let [width, height] = self.size();
-        let texel = self.texture.format().block_copy_size(None).unwrap_or(4);
-        let row = width * texel;
-        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let buffer = gpu.checked("the picture's copy", || {
-            let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
-                label: Some("picture's copy"),
-                size: u64::from(padded) * u64::from(height),
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-                mapped_at_creation: false,
-            });
-            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            let layout =
-                wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
-            let copy = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-            encoder.copy_texture_to_buffer(self.texture.as_image_copy(), copy, self.texture.size());
-            gpu.queue().submit([encoder.finish()]);
-            buffer
-        })?;
-        let (sender, receiver) = mpsc::channel();
-        // Nobody listens any more only where this function has failed already.
-        buffer.map_async(wgpu::MapMode::Read, .., move |mapped| drop(sender.send(mapped)));
-        let lost = |what: String| Error::machine(format!("the picture cannot be read from {gpu}: {what}"));
-        gpu.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
-        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-        let bytes = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
-        Ok(bytes.chunks_exact(padded as usize).flat_map(|line| line[..row as usize].to_vec()).collect())
+        read_texture(gpu, &self.texture)
     }
+}
+
+/// A texture's bytes, row by row without gaps. Waits for all that was drawn.
+///
+/// # Errors
+/// The adapter was lost, or has too little memory.
+pub(super) fn read_texture(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>> {
+    let [width, height] = [texture.width(), texture.height()];
+    let texel = texture.format().block_copy_size(None).unwrap_or(4);
+    let row = width * texel;
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+    let buffer = gpu.checked("the picture's copy", || {
+        let buffer = gpu.device().create_buffer(&wgpu::BufferDescriptor {
+            label: Some("picture's copy"),
+            size: u64::from(padded) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded), rows_per_image: None };
+        let copy = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
+        encoder.copy_texture_to_buffer(texture.as_image_copy(), copy, texture.size());
+        gpu.queue().submit([encoder.finish()]);
+        buffer
+    })?;
+    let (sender, receiver) = mpsc::channel();
+    // Nobody listens any more only where this function has failed already.
+    buffer.map_async(wgpu::MapMode::Read, .., move |mapped| drop(sender.send(mapped)));
+    let lost = |what: String| Error::machine(format!("the picture cannot be read from {gpu}: {what}"));
+    gpu.device().poll(wgpu::PollType::wait_indefinitely()).map_err(|error| lost(error.to_string()))?;
+    receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
+    let bytes = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
+    Ok(bytes.chunks_exact(padded as usize).flat_map(|line| line[..row as usize].to_vec()).collect())
 }

@@ -50,6 +50,25 @@ impl Curves {
         Spectrum::new(self.at.clone(), row.to_vec())
     }
 
+    /// Which of the angles is nearest to one, rad; one from the other side, as flat layers are computed from one alone, where none is
+    /// nearer.
+    #[must_use]
+    pub fn nearest(&self, angle: f64) -> usize {
+        let other_side = 1e-9;
+        let far = |row: &usize| {
+            let own = self.angle[*row];
+            (own - angle).abs().min((own + angle).abs() + other_side)
+        };
+        (0..self.angle.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default()
+    }
+
+    /// The standard deviations between individuals at one of the angles; none where there are no several.
+    #[must_use]
+    pub fn deviation(&self, angle: usize) -> Option<&[f64]> {
+        let columns = self.at.len();
+        self.std.as_ref()?.get(angle * columns..(angle + 1) * columns)
+    }
+
     /// The curves as the text of a CSV file, as `barbule spectrum` has it: angle_deg, wavelength_nm, mean and, where there is one, std.
     #[must_use]
     pub fn csv(&self) -> String {
@@ -86,11 +105,16 @@ mod tests {
         let curves = Curves::new(at.clone(), angle.clone(), vec![0.1, 0.2, 0.3, 0.4], None).unwrap();
         assert_eq!(curves.spectrum(1).unwrap().values(), [0.3, 0.4]);
         assert!(curves.spectrum(2).is_err());
+        assert_eq!([0.1, 0.3, 2.0, -0.5].map(|angle| curves.nearest(angle)), [0, 1, 1, 1]);
+        let both = Curves { angle: vec![0.5, -0.5], ..curves.clone() };
+        assert_eq!([0.5, -0.5].map(|angle| both.nearest(angle)), [0, 1]);
+        assert_eq!(curves.deviation(0), None);
         assert_eq!(
             curves.csv(),
             "angle_deg,wavelength_nm,mean\n0,400,0.1\n0,500,0.2\n30,400,0.3\n30,500,0.4\n"
         );
         let spread = Curves { std: Some(vec![0.01; 4]), ..curves };
+        assert_eq!(spread.deviation(1), Some(&[0.01, 0.01][..]));
         assert!(spread.csv().starts_with("angle_deg,wavelength_nm,mean,std\n0,400,0.1,0.01\n"));
         assert!(Curves::new(at, angle, vec![0.1; 3], None).is_err());
     }

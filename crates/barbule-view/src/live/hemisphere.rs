@@ -63,6 +63,34 @@ pub fn place_of(direction: DVec3) -> [f64; 2] {
     [direction.x / flat * radius, direction.y / flat * radius]
 }
 
+/// Unit vector towards light that comes across a barbule at this angle from its normal, rad.
+#[must_use]
+pub fn lit_across(angle: f64) -> DVec3 {
+    DVec3::new(libm::sin(angle), 0.0, libm::cos(angle))
+}
+
+/// How far from the middle of the disc directions at this angle from the normal lie, rad.
+#[must_use]
+pub fn radius_of(theta: f64) -> f64 {
+    SQRT_2 * libm::sin(0.5 * theta)
+}
+
+impl Hemisphere {
+    /// The brightness that a screen's white best shows, where a white diffuser is 1: all but the brightest hundredth of what is lit at
+    /// all is under it. 1 of a lobe that is black.
+    #[must_use]
+    pub fn white(&self) -> f64 {
+        let lit = |rgb: &[f32]| {
+            let most = rgb.iter().copied().fold(0.0, f32::max);
+            (most > 0.0).then_some(most)
+        };
+        let mut brightest: Vec<f32> = self.rgb.chunks_exact(3).filter_map(lit).collect();
+        brightest.sort_by(f32::total_cmp);
+        let place = brightest.len().saturating_sub(1 + brightest.len() / 100);
+        brightest.get(place).map_or(1.0, |value| f64::from(*value))
+    }
+}
+
 /// The lobe's colours.
 ///
 /// # Errors
@@ -153,6 +181,11 @@ mod tests {
             assert!((back[0] - place[0]).hypot(back[1] - place[1]) < 1e-12, "{place:?} {back:?}");
         }
         assert!(direction_at([0.8, 0.7]).is_none());
+        for theta in [0.3, 1.0, 1.5] {
+            let place = place_of(lit_across(theta));
+            assert!((place[0] - radius_of(theta)).abs() < 1e-12 && place[1] == 0.0);
+        }
+        assert!((radius_of(std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-12);
         // The mean of cosθ over the hemisphere's solid angle is ½.
         let side = 400;
         let centre = |k: usize| 2.0 * (k as f64 + 0.5) / side as f64 - 1.0;
@@ -195,6 +228,15 @@ mod tests {
             );
         }
         assert!(lobe.peak > 0.0 && lobe.rgb.iter().all(|value| *value <= lobe.peak));
+    }
+
+    #[test]
+    fn white_is_under_the_brightest_hundredth() {
+        let mut rgb = vec![0.0; 3 * 400];
+        (0..200).for_each(|k| rgb[3 * k + 1] = 1.0 + k as f32);
+        let lobe = Hemisphere { side: 20, rgb, peak: 200.0 };
+        assert_eq!(lobe.white(), 198.0);
+        assert_eq!(Hemisphere { side: 1, rgb: vec![0.0; 3], peak: 0.0 }.white(), 1.0);
     }
 
     #[test]

@@ -53,7 +53,7 @@ pub fn expected_seconds(job: &MaterialJob, cores: usize) -> Result<Option<[f64; 
 }
 
 /// Finds or makes the material, and tells what is there as soon as it is: what ships or is in the cache at once, else a coarse one
-/// and, where it is asked for, the whole one, which is kept in the cache.
+/// and, where it is asked for, the whole one, which is kept in the cache. Where nothing may be computed, what is missing stays so.
 ///
 /// # Errors
 /// As [`characterize`], or a stop by `progress`.
@@ -67,6 +67,8 @@ pub fn material(
             found(MaterialFound { found: Arc::new(*there), thinned: None });
             return Ok(());
         }
+        // Whoever may compute nothing only asked whether it is there.
+        Located::Missing(_) if !job.opening.may_compute => return Ok(()),
         Located::Missing(plan) => plan,
     };
     found(MaterialFound { found: Arc::new(coarse(job, progress)?), thinned: Some(THIN) });

@@ -4,26 +4,40 @@
 //! [`run`] does one [`Job`] and tells what it finds as it goes; a [`Worker`] does that on a thread of its own, the newest job first
 //! and alone. Results are plain numbers in arrays.
 
+mod compared;
 mod curves;
 mod film;
 mod hemisphere;
 mod individual;
 mod material;
 mod mean;
+mod raster;
+mod show;
 mod sight;
+mod strips;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod trace;
 #[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
 use barbule::Result;
 use barbule::progress::Progress;
 
+use crate::stage::Show;
+
+pub use compared::{Compared, Told};
 pub use curves::Curves;
 pub use film::{FilmJob, film};
-pub use hemisphere::{Hemisphere, HemisphereJob, direction_at, hemisphere, lobe_spectrum, place_of};
+pub use hemisphere::{
+    Hemisphere, HemisphereJob, direction_at, hemisphere, lit_across, lobe_spectrum, place_of, radius_of,
+};
 pub use individual::{Individual, IndividualJob, Lobe, individual};
 pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
+pub use raster::{Entry, Hatch, Legend, Raster, Window, extent, first_window, raster};
+pub use show::{ShowJob, show};
 pub use sight::{Sight, Viewer};
+pub use strips::{AngleSeen, along_angles, reaches, spectral_srgb};
 #[cfg(not(target_arch = "wasm32"))]
 pub use worker::{Update, Worker};
 
@@ -40,6 +54,8 @@ pub enum Job {
     Mean(Box<MeanJob>),
     /// The material.
     Material(Box<MaterialJob>),
+    /// What the picture shows.
+    Show(Box<ShowJob>),
 }
 
 /// Something that was computed.
@@ -55,6 +71,8 @@ pub enum Found {
     Mean(MeanFound),
     /// A material, a coarse one and then perhaps the whole one.
     Material(MaterialFound),
+    /// What the picture shows, as far as it is known.
+    Show(Box<Show>),
 }
 
 /// Does a job, and hands over what is found as soon as it is.
@@ -68,5 +86,6 @@ pub fn run(job: &Job, progress: &dyn Progress, found: &mut dyn FnMut(Found)) -> 
         Job::Hemisphere(job) => hemisphere(job, progress).map(|lobe| found(Found::Hemisphere(lobe))),
         Job::Mean(job) => mean(job, progress, &mut |mean| found(Found::Mean(mean))),
         Job::Material(job) => material(job, progress, &mut |made| found(Found::Material(made))),
+        Job::Show(job) => show(job, progress, &mut |made| found(Found::Show(Box::new(made)))),
     }
 }

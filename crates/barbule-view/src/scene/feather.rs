@@ -1,5 +1,6 @@
 //! A feather's own barbules, barbs and shaft, as finely as an adapter draws them.
 
+use barbule_appearance::bsdf::Zones;
 use barbule_appearance::scene::feather::{Feather, Grown, Level, VaneDisc};
 use barbule_appearance::scene::geometry::Geometry;
 use barbule_base::math::rng::hash;
@@ -19,6 +20,8 @@ pub struct FeatherRequest<'a> {
     pub feather: &'a Feather,
     /// The part of it that is grown.
     pub window: VaneDisc,
+    /// Its zones, where it has some; barbs that stand for their barbules show none.
+    pub zones: Option<&'a Zones>,
     /// The seed of pictures, by which the renderer names its barbules.
     pub seed: u64,
     /// Most triangles; at most [`MOST_TRIANGLES`].
@@ -45,13 +48,13 @@ pub enum FeatherDetail {
 /// # Errors
 /// A feather or window out of range, one that even coarsely has more triangles, or a stop by `progress`.
 pub fn feather(request: &FeatherRequest<'_>, progress: &dyn Progress) -> Result<(Shape, FeatherDetail)> {
-    let FeatherRequest { feather, window, seed, .. } = *request;
+    let FeatherRequest { feather, window, zones, seed, .. } = *request;
     let most = request.most_triangles.min(MOST_TRIANGLES);
     // As the renderer names the first feather of a scene.
     let names = (seed, hash(seed, &[1]));
     // Two triangles are the least of a barbule.
     if 2.0 * feather.barbules_in(window) <= most as f64 {
-        let grown = feather.grow_watched(window, Level::Barbules, None, names, progress)?;
+        let grown = feather.grow_watched(window, Level::Barbules, zones, names, progress)?;
         if let Some(made) = barbules(&grown, most) {
             return Ok(made);
         }
@@ -133,7 +136,7 @@ mod tests {
 
     fn request(feather: &Feather, radius_mm: Option<f64>) -> FeatherRequest<'_> {
         let window = VaneDisc { along_mm: 0.6 * feather.shaft.length_mm, radius_mm };
-        FeatherRequest { feather, window, seed: 1, most_triangles: MOST_TRIANGLES }
+        FeatherRequest { feather, window, zones: None, seed: 1, most_triangles: MOST_TRIANGLES }
     }
 
     /// Every barbule that the renderer grows is there under its name, each cell with the name of its individual.

@@ -1,7 +1,7 @@
 //! How a stage is looked at.
 
 use barbule_appearance::scene::description::ToneWord;
-use glam::{DVec3, Mat4, Vec3};
+use glam::{DMat3, DVec3, Mat4, Vec3};
 
 use super::Jitter;
 use crate::gpu::{Cells, Exposure, Eye, View};
@@ -29,7 +29,7 @@ pub struct Look {
     pub sky: [f32; 3],
     /// Share of the contrast of individuals that is shown: 0 for the smooth mean, 1 for all.
     pub contrast: f32,
-    /// Stops of exposure: each doubles the light.
+    /// Stops of exposure beside what the stage's meter says: each doubles the light.
     pub stops: f32,
     /// The curve.
     pub tone: ToneWord,
@@ -38,11 +38,12 @@ pub struct Look {
 }
 
 impl Look {
-    /// How the film is shown.
-    pub(super) fn exposure(&self) -> Exposure {
+    /// How the film is shown; `metered` stops are the meter's.
+    pub(super) fn exposure(&self, metered: f32) -> Exposure {
+        let stops = self.stops + metered;
         // What is behind does not change with the exposure.
-        let scale = (-self.stops).exp2();
-        Exposure { stops: self.stops, tone: self.tone, behind: self.behind.map(|v| v * scale) }
+        let scale = (-stops).exp2();
+        Exposure { stops, tone: self.tone, behind: self.behind.map(|v| v * scale) }
     }
 
     /// Whether a film of another look is one of this too, however it is shown.
@@ -56,7 +57,8 @@ impl Look {
     #[must_use]
     pub fn clip_from_scene(&self, [width, height]: [u32; 2], radius_mm: f64) -> Mat4 {
         let eye = self.eye_mm();
-        let view = Mat4::look_to_rh(eye.as_vec3(), (-self.towards).as_vec3(), self.up.as_vec3());
+        let turn = DMat3::from_cols(self.up.cross(self.towards), self.up, self.towards).transpose();
+        let view = Mat4::from_mat3(turn.as_mat3()) * Mat4::from_translation(-eye.as_vec3());
         let away = self.distance * self.width_mm;
         let far = eye.length() + radius_mm;
         let near = (eye.length() - radius_mm).max(0.05 * away);

@@ -8,15 +8,17 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use barbule_appearance::bsdf;
+use barbule_appearance::render::exposure::balanced;
 use barbule_light::spectrum::Wavelengths;
+use barbule_light::spectrum::colour::luminance;
 use glam::Vec2;
 
 pub use look::Look;
 pub use show::{Coat, Show, Wear};
 
 use crate::gpu::{
-    self, Cells, Developer, Dress, Exposure, Feather, Film, Gpu, Grating, Layers, LoadedFilm, MOST_WAVES,
-    Mesh, PackedGrating, PackedLayers, PackedTables, Sight, Surfaces, Trim, Waves, WavesOnGpu,
+    self, Cells, Developer, Dress, Feather, Film, Gpu, Grating, Layers, LoadedFilm, MOST_WAVES, Mesh,
+    PackedGrating, PackedLayers, PackedTables, Sight, Surfaces, Trim, Waves, WavesOnGpu,
 };
 use crate::scene::{Naming, Shape};
 use crate::{Error, Result};
@@ -25,6 +27,8 @@ use crate::{Error, Result};
 const WAVES: [usize; 2] = [6, MOST_WAVES];
 /// Frames of a picture at rest at least: places within a pixel, and on the lamp.
 const LEAST_FRAMES: u32 = 16;
+/// Columns or rows of the meter's picture.
+const METER: f64 = 96.0;
 
 /// Draws a shape.
 #[derive(Debug)]
@@ -37,6 +41,8 @@ pub struct Stage {
     look: Option<Look>,
     frames: u32,
     most_waves: usize,
+    /// Stops that the meter says; nothing until it was asked.
+    metered: Option<f32>,
 }
 
 /// What is on the stage.
@@ -56,6 +62,7 @@ struct Act {
 struct Worn {
     coat: OnGpu,
     waves: Vec<WavesOnGpu>,
+    most_waves: usize,
     dress: Dress,
 }
 
@@ -90,7 +97,17 @@ impl Stage {
         let surfaces = Surfaces::new(&gpu)?;
         let developer = Developer::new(&gpu, target)?;
         let most_waves = WAVES[usize::from(!gpu.is_software())];
-        Ok(Self { gpu, surfaces, developer, film: None, act: None, look: None, frames: 0, most_waves })
+        Ok(Self {
+            gpu,
+            surfaces,
+            developer,
+            film: None,
+            act: None,
+            look: None,
+            frames: 0,
+            most_waves,
+            metered: None,
+        })
     }
 
     /// The adapter.
@@ -109,7 +126,12 @@ impl Stage {
     /// # Errors
     /// More than the adapter holds, a shape that is none, or a part that is of nothing; then what was there stays.
     pub fn put(&mut self, show: &Show) -> Result<()> {
-        self.act = Some(Act::new(&self.gpu, show, self.most_waves)?);
+        let act = Act::new(&self.gpu, show, self.most_waves)?;
+        // Colours of one shape are compared in one exposure.
+        if !self.act.as_ref().is_some_and(|before| before.is_shaped_as(&act)) {
+            self.metered = None;
+        }
+        self.act = Some(act);
         self.frames = 0;
         self.look = None;
         Ok(())
@@ -126,6 +148,9 @@ impl Stage {
     /// # Errors
     /// A size that the adapter does not have.
     pub fn draw(&mut self, size: [u32; 2], look: &Look) -> Result<bool> {
+        if self.metered.is_none() {
+            self.metered = Some(self.meter(size, look)?);
+        }
         let Some(act) = &self.act else { return Ok(false) };
         let is_sized = self.film.as_ref().is_some_and(|(film, _)| film.size() == size);
         if !is_sized {
@@ -134,7 +159,7 @@ impl Stage {
             self.film = Some((film, loaded));
         }
         let Some((film, loaded)) = &self.film else { return Ok(false) };
-        self.developer.expose(&self.gpu, &look.exposure());
+        self.developer.expose(&self.gpu, &look.exposure(self.metered.unwrap_or(0.0)));
         let is_same = is_sized && self.look.as_ref().is_some_and(|last| last.is_lit_as(look));
         let most = act.turns.max(LEAST_FRAMES).next_multiple_of(act.turns);
         if !is_same {
@@ -142,21 +167,50 @@ impl Stage {
         } else if self.frames >= most {
             return Ok(false);
         }
-        let jitter = Jitter::of(self.frames, size);
-        self.surfaces.look(&self.gpu, &look.view(size, &jitter, act.radius_mm, act.cells));
         let mut encoder =
             self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let frame = self.frames;
-        let wear = |code: u32| {
-            let worn = &act.wears[act.parts.get(&code).copied().unwrap_or(0)];
-            (worn.coat(frame), &worn.dress)
-        };
-        self.surfaces.draw(&mut encoder, film, &act.mesh, wear);
-        self.frames += 1;
-        self.developer.gather(&mut encoder, loaded, self.frames);
+        self.frame(&mut encoder, act, film, look, self.frames);
+        self.developer.gather(&mut encoder, loaded, self.frames + 1);
         self.gpu.queue().submit([encoder.finish()]);
+        self.frames += 1;
         self.look = Some(look.clone());
         Ok(self.frames < most)
+    }
+
+    /// Draws one frame onto a film.
+    fn frame(&self, encoder: &mut wgpu::CommandEncoder, act: &Act, film: &Film, look: &Look, number: u32) {
+        let jitter = Jitter::of(number, film.size());
+        self.surfaces.look(&self.gpu, &look.view(film.size(), &jitter, act.radius_mm, act.cells));
+        let wear = |code: u32| {
+            let worn = &act.wears[act.parts.get(&code).copied().unwrap_or(0)];
+            (worn.coat(number), &worn.dress)
+        };
+        self.surfaces.draw(encoder, film, &act.mesh, wear);
+    }
+
+    /// The exposure that the renderer's automatic one gives a small picture of the same, stops. 0 in browsers, where nobody waits for
+    /// what was drawn.
+    fn meter(&self, [width, height]: [u32; 2], look: &Look) -> Result<f32> {
+        let Some(act) = self.act.as_ref().filter(|_| !cfg!(target_arch = "wasm32")) else { return Ok(0.0) };
+        let scale = METER / f64::from(width.max(height).max(1));
+        let film =
+            Film::new(&self.gpu, [width, height].map(|side| ((f64::from(side) * scale) as u32).max(1)))?;
+        let mut encoder =
+            self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.frame(&mut encoder, act, &film, look, 0);
+        self.gpu.queue().submit([encoder.finish()]);
+        let covered: Vec<[f64; 3]> = film
+            .read(&self.gpu)?
+            .iter()
+            .filter(|pixel| pixel[3] > 0.5)
+            .map(|[r, g, b, share]| [r / share, g / share, b / share].map(f64::from))
+            .collect();
+        if covered.is_empty() {
+            return Ok(0.0);
+        }
+        let luminances = covered.iter().map(|rgb| luminance(*rgb).max(0.0)).collect();
+        let largest = covered.iter().map(|rgb| rgb.iter().copied().fold(0.0, f64::max)).collect();
+        Ok(balanced(luminances, largest).log2() as f32)
     }
 
     /// Shows the film over a pass's viewport.
@@ -164,6 +218,13 @@ impl Stage {
         if let Some((_, loaded)) = &self.film {
             self.developer.develop(pass, loaded);
         }
+    }
+
+    /// At how many wavelengths a frame is drawn, where that is most.
+    #[must_use]
+    pub fn waves_of_a_frame(&self) -> usize {
+        let of = |act: &Act| act.wears.iter().map(|worn| worn.most_waves).max().unwrap_or(0);
+        self.act.as_ref().map_or(0, of)
     }
 
     /// Memory of tables and meshes on the adapter, bytes.
@@ -189,7 +250,12 @@ impl Act {
             Naming::Ribbon | Naming::Plain => Cells::OfRibbons,
             Naming::Clad(layout) => Cells::Clad(layout),
         };
-        Ok(Self { radius_mm: radius_mm(&show.shape), mesh, cells, parts, wears, bytes: loader.bytes, turns })
+        let (radius_mm, bytes) = (radius_mm(&show.shape), loader.bytes);
+        Ok(Self { radius_mm, mesh, cells, parts, wears, bytes, turns })
+    }
+
+    fn is_shaped_as(&self, other: &Self) -> bool {
+        (self.radius_mm, self.mesh.bytes()) == (other.radius_mm, other.mesh.bytes())
     }
 }
 
@@ -228,11 +294,14 @@ impl Loader<'_> {
                 self.bytes += packed.bytes() as u64;
                 (OnGpu::Layers(Layers::new(self.gpu, &packed)?), reflected.nm.clone())
             }
-            Coat::Keratin => return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), dress }),
+            Coat::Keratin => {
+                return Ok(Worn { coat: OnGpu::Keratin, waves: Vec::new(), most_waves: 0, dress });
+            }
         };
         let turns = Waves::turns(&nm, self.sight, self.most_waves)?;
+        let most_waves = turns.iter().map(|waves| waves.nm().len()).max().unwrap_or(0);
         let waves = turns.iter().map(|waves| WavesOnGpu::new(self.gpu, waves)).collect();
-        Ok(Worn { coat, waves, dress })
+        Ok(Worn { coat, waves, most_waves, dress })
     }
 
     fn feather(

@@ -160,22 +160,30 @@ impl State {
         &self.beside
     }
 
-    /// Takes a file that was dropped onto the window: a measured spectrum is drawn beside what is computed, everything else is opened in
-    /// place of what is open, which keeps what is pinned and measured.
+    /// Opens what people type in place of what is open, which keeps what is pinned and measured, unless it brings some of its own.
+    ///
+    /// # Errors
+    /// As [`Self::open`]; then nothing has changed.
+    pub fn open_instead(&mut self, text: &str, progress: &dyn Progress) -> Result<()> {
+        let opened = Self::open(text, &self.opening, progress)?;
+        let pinned = opened.pinned.clone().or_else(|| self.pinned.take());
+        let mut beside = std::mem::take(&mut self.beside);
+        if !opened.beside.is_empty() {
+            beside.clone_from(&opened.beside);
+        }
+        *self = Self { pinned, beside, ..opened };
+        Ok(())
+    }
+
+    /// Takes a file that was dropped onto the window: a measured spectrum is drawn beside what is computed, everything else is opened as
+    /// by [`Self::open_instead`].
     ///
     /// # Errors
     /// It cannot be read as either, or there are as many measured spectra as can be told apart; then nothing has changed.
     pub fn drop_file(&mut self, path: &Path, progress: &dyn Progress) -> Result<Dropped> {
         let file = path.to_string_lossy();
         if !Beside::is_meant(path)? {
-            let opened = Self::open(&file, &self.opening, progress)?;
-            let pinned = opened.pinned.clone().or_else(|| self.pinned.take());
-            let mut beside = std::mem::take(&mut self.beside);
-            if !opened.beside.is_empty() {
-                beside.clone_from(&opened.beside);
-            }
-            *self = Self { pinned, beside, ..opened };
-            return Ok(Dropped::Opened);
+            return self.open_instead(&file, progress).map(|()| Dropped::Opened);
         }
         if self.beside.len() >= Beside::MOST {
             return Err(Error::input(format!(

@@ -117,12 +117,20 @@ impl Absorption {
     /// # Errors
     /// A reflectance of 0 somewhere.
     pub fn of_reflectance(reflectance: &Reflectance, azimuthal_roughness: f64) -> Result<Self> {
-        let b = azimuthal_roughness;
-        let scale = 5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))));
+        let scale = mass_scale(azimuthal_roughness);
         Self::new(|w| {
             let root = libm::log(reflectance.at(w)) / scale;
             root * root
         })
+    }
+
+    /// What a mass of such fibres reflects: [`Absorption::of_reflectance`] the other way round.
+    ///
+    /// # Errors
+    /// None of an absorption that is not below 0.
+    pub fn mass_reflectance(&self, azimuthal_roughness: f64) -> Result<Reflectance> {
+        let scale = mass_scale(azimuthal_roughness);
+        Reflectance::new(|w| libm::exp(-scale * self.at(w).max(0.0).sqrt()))
     }
 
     /// What makes closed vanes of such fibres, on white in even light, reflect this: the fit of `docs/theory/hair.md` to rendered
@@ -168,9 +176,22 @@ impl Absorption {
     }
 }
 
+/// −ln ρ over the root of the absorption.
+fn mass_scale(azimuthal_roughness: f64) -> f64 {
+    let b = azimuthal_roughness;
+    5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn masses_of_fibres_reflect_what_their_absorption_is_of() {
+        let grey = Reflectance::new(|nm| 0.1 + nm / 2000.0).unwrap();
+        let back = Absorption::of_reflectance(&grey, 0.4).unwrap().mass_reflectance(0.4).unwrap();
+        assert!([400.0, 550.0, 700.0].iter().all(|nm| (back.at(*nm) - grey.at(*nm)).abs() < 1e-9));
+    }
 
     /// The power laws against the three numbers that renderers use, each at its band's middle.
     #[test]

@@ -33,6 +33,7 @@ use self::spread::{Azimuthal, Longitudinal};
 use super::frame::Frame;
 use super::hit::{Hit, Side};
 use super::lobes::Lobes;
+use super::reflectance::Reflectance;
 use super::{Bsdf, Model};
 use crate::material::Cauchy;
 use crate::math::elementary::{atan2, sin_cos_turns};
@@ -105,6 +106,7 @@ impl FibreSection {
 pub struct Hair {
     index: FibreIndex,
     absorption: Absorption,
+    azimuthal_roughness: f64,
     /// Of the section, over its width.
     height: f64,
     /// Of each way through the fibre.
@@ -163,6 +165,7 @@ impl Hair {
         Ok(Self {
             index,
             absorption,
+            azimuthal_roughness: n,
             height,
             along,
             around,
@@ -195,6 +198,14 @@ impl Hair {
         let up = in_section(&frame, up);
         let bound = Bound::pigmented(self, offset.clamp(-1.0, 1.0), up, side.wo, wavelengths, pigment);
         Bsdf::new(Model::Hair(bound), side)
+    }
+
+    /// What a mass of such fibres reflects.
+    ///
+    /// # Errors
+    /// None.
+    pub fn mass_reflectance(&self) -> Result<Reflectance> {
+        self.absorption.mass_reflectance(self.azimuthal_roughness)
     }
 
     /// Height of the section over its width.

@@ -284,7 +284,10 @@ impl FeatherObject {
     }
 
     /// Where its zones lie; nothing where there are none.
-    pub(super) fn zone_plan(&self) -> Result<Option<ZonePlan>> {
+    ///
+    /// # Errors
+    /// A picture of zones that is not read, or has others.
+    pub fn zone_plan(&self) -> Result<Option<ZonePlan>> {
         if self.zones.is_empty() {
             return Ok(None);
         }

@@ -2,6 +2,7 @@
 
 mod feather;
 mod grating;
+mod layers;
 mod picture;
 mod questions;
 mod tone;

@@ -11,10 +11,10 @@ use barbule_light::spectrum::Wavelengths;
 use barbule_light::spectrum::colour::Observer;
 use barbule_light::spectrum::dense::Lambdas;
 use barbule_view::gpu::{
-    Cells, Coat, Developer, Dress, Exposure, Eye, Feather, Film, Gpu, Mesh, PackedTables, Surfaces, Target,
-    View, Waves, WavesOnGpu,
+    Cells, Coat, Developer, Dress, Exposure, Eye, Feather, Film, Gpu, Mesh, PackedTables, Sight, Surfaces,
+    Target, Trim, View, Waves, WavesOnGpu,
 };
-use bytemuck::{Pod, Zeroable};
+use barbule_view::scene::{Naming, Part, Shape, Vertex};
 use glam::{DVec3, Mat4, Vec3};
 
 /// Columns and rows.
@@ -28,22 +28,11 @@ const LAYOUT: Layout =
 /// Half precision of light, rounded to eight bits: one step beside the exact value.
 const STEPS: i32 = 2;
 
-#[repr(C)]
-#[derive(Clone, Copy, Pod, Zeroable)]
-struct Corner {
-    position: [f32; 3],
-    normal: [f32; 3],
-    tangent: [f32; 3],
-    place: [f32; 2],
-    shape: [f32; 2],
-    part: u32,
-    name: [u32; 2],
-}
-
 /// One adapter, all that a frame needs.
 struct Frame {
     gpu: Gpu,
     surfaces: Surfaces,
+    dress: Dress,
     mesh: [Mesh; 2],
     waves: Waves,
     feather: Feather,
@@ -52,26 +41,30 @@ struct Frame {
 
 /// A piece in the plane z = 0, barbules along y, its upper side on +z; then seen from below.
 fn meshes(gpu: &Gpu) -> [Mesh; 2] {
-    let corner = |u: f32, v: f32| Corner {
-        position: [SIDE_MM as f32 * (v - 0.5), SIDE_MM as f32 * (u - 0.5), 0.0],
+    [[[0, 1, 2], [0, 2, 3]], [[0, 2, 1], [0, 3, 2]]].map(|faces| Mesh::new(gpu, &piece(faces)).unwrap())
+}
+
+fn piece(faces: [[u32; 3]; 2]) -> Shape {
+    let corner = |u: f32, v: f32| Vertex {
+        position_mm: [SIDE_MM as f32 * (v - 0.5), SIDE_MM as f32 * (u - 0.5), 0.0],
         normal: [0.0, 0.0, 1.0],
         tangent: [0.0, 1.0, 0.0],
         place: [u, v],
-        shape: [0.0, 0.0125],
-        part: 0,
+        swelling: 0.0,
+        half_width_mm: 0.0125,
+        part: Part::Distal.code(0),
         name: [NAME as u32, (NAME >> 32) as u32],
     };
-    let corners = [corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0)];
-    let bytes = bytemuck::cast_slice(&corners);
-    [[[0, 1, 2], [0, 2, 3]], [[0, 2, 1], [0, 3, 2]]].map(|faces| Mesh::new(gpu, bytes, &faces).unwrap())
+    let vertices = vec![corner(0.0, 0.0), corner(0.0, 1.0), corner(1.0, 1.0), corner(1.0, 0.0)];
+    Shape { vertices, triangles: faces.to_vec(), naming: Naming::Clad(LAYOUT) }
 }
 
 fn keratin() -> Keratin {
     Keratin::new(0.3, 1.56, Reflectance::of_colour([0.3, 0.15, 0.05]).unwrap()).unwrap()
 }
 
-fn dress(keratin: &Keratin, cells: bsdf::Cells) -> Dress<'_> {
-    Dress { cells, under: keratin, ramus: keratin, shaft: keratin }
+fn trim(keratin: &Keratin, cells: bsdf::Cells) -> Trim<'_> {
+    Trim { cells, keratin }
 }
 
 impl Frame {
@@ -87,13 +80,14 @@ impl Frame {
         let packed = PackedTables::new(&tables, gpu.most_texels_along()).unwrap();
         let surfaces = Surfaces::new(&gpu).unwrap();
         let keratin = keratin();
-        let dress = dress(&keratin, bsdf::Cells::default());
-        surfaces.dress(&gpu, &dress, Observer::default()).unwrap();
+        let trim = trim(&keratin, bsdf::Cells::default());
+        let dress = Dress::new(&gpu, &trim, &Sight::default()).unwrap();
         Some(Self {
             mesh: meshes(&gpu),
-            waves: Waves::new(packed.wavelengths_nm(), Observer::default(), 16).unwrap(),
+            waves: Waves::new(packed.wavelengths_nm(), &Sight::default(), 16).unwrap(),
             feather: Feather::new(&gpu, &packed).unwrap(),
             surfaces,
+            dress,
             gpu,
             tables,
         })
@@ -110,9 +104,11 @@ impl Frame {
         developer.expose(gpu, exposure);
         let waves = WavesOnGpu::new(gpu, &self.waves);
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.surfaces.draw(&mut encoder, &film, &self.mesh[mesh], &waves, Coat::Feather(&self.feather));
-        gpu.queue().submit([encoder.finish()]);
+        let coat = Coat::Feather(&self.feather, &waves);
+        self.surfaces.draw(&mut encoder, &film, &self.mesh[mesh], |_| (coat, &self.dress));
         let loaded = developer.load(gpu, &film);
+        developer.gather(&mut encoder, &loaded, 1);
+        gpu.queue().submit([encoder.finish()]);
         target.draw(gpu, |pass| developer.develop(pass, &loaded)).unwrap();
         target.read(gpu).unwrap().as_chunks().0.to_vec()
     }
@@ -193,7 +189,7 @@ fn pixels_show_walls_sizes_and_arches() {
     let keratin = Keratin::new(0.3, 1.56, Reflectance::of_colour([0.2; 3]).unwrap()).unwrap();
     let arch = Some(Arch { low: -0.9, high: 0.7, blur: 0.3 });
     let cells = bsdf::Cells { size: 0.03, barbule_size: 0.02, wall_mm: 0.006, arch };
-    frame.surfaces.dress(&frame.gpu, &dress(&keratin, cells), Observer::default()).unwrap();
+    frame.dress.change(&frame.gpu, &trim(&keratin, cells), &Sight::default()).unwrap();
     let view = View { sky: [0.0; 3], ..view(Vec3::new(0.1, 0.05, 1.0), Vec3::new(-0.25, -0.1, 1.0)) };
     let pixels = frame.drawn(&view, 0, &EXPOSURE);
     let barbule = BarbuleSurface {
@@ -279,8 +275,34 @@ fn undersides_are_keratin() {
 #[test]
 fn meshes_that_are_none_are_refused() {
     let Some(frame) = Frame::new() else { return };
-    let refused =
-        |bytes: &[u8], faces: &[[u32; 3]]| Mesh::new(&frame.gpu, bytes, faces).unwrap_err().to_string();
-    assert!(refused(&[0; 65], &[]).contains("its corners have 65 bytes"));
-    assert!(refused(&[0; 128], &[[0, 1, 2]]).contains("corner 2 of 2 does not exist"));
+    let refused = Mesh::new(&frame.gpu, &piece([[0, 1, 2], [0, 1, 4]])).unwrap_err().to_string();
+    assert!(refused.contains("corner 4 does not exist"), "{refused}");
+}
+
+/// The mean of frames is their mean: of two exposures' worth of light, each pixel is half way between.
+#[test]
+fn frames_are_gathered_into_their_mean() {
+    let Some(frame) = Frame::new() else { return };
+    let gpu = &frame.gpu;
+    let (film, format) = (Film::new(gpu, [SIZE; 2]).unwrap(), wgpu::TextureFormat::Rgba8Unorm);
+    let developer = Developer::new(gpu, format).unwrap();
+    let target = Target::new(gpu, [SIZE; 2], format).unwrap();
+    let (waves, loaded) = (WavesOnGpu::new(gpu, &frame.waves), developer.load(gpu, &film));
+    let lit = View { contrast: 0.0, sky: [0.0; 3], ..view(Vec3::Z, Vec3::new(0.2, 0.1, 1.0)) };
+    developer.expose(gpu, &Exposure { stops: -2.0, tone: ToneWord::Plain, behind: [0.0; 3] });
+    let gathered = |lamps: &[f32]| {
+        for (count, lamp) in (1..).zip(lamps) {
+            frame.surfaces.look(gpu, &View { lamp: *lamp, ..lit });
+            let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            let coat = Coat::Feather(&frame.feather, &waves);
+            frame.surfaces.draw(&mut encoder, &film, &frame.mesh[0], |_| (coat, &frame.dress));
+            developer.gather(&mut encoder, &loaded, count);
+            gpu.queue().submit([encoder.finish()]);
+        }
+        target.draw(gpu, |pass| developer.develop(pass, &loaded)).unwrap();
+        target.read(gpu).unwrap()[..4].to_vec()
+    };
+    let (several, one) = (gathered(&[0.2, 1.0, 0.6, 0.2]), gathered(&[0.5]));
+    assert!(several.iter().zip(&one).all(|(a, b)| a.abs_diff(*b) <= 1), "{several:?} {one:?}");
+    assert!(one[..3].iter().any(|v| (20..250).contains(v)), "{one:?}");
 }

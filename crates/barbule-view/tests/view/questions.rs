@@ -3,9 +3,9 @@
 use barbule_appearance::brdf::BrdfTables;
 use barbule_appearance::bsdf;
 use barbule_light::spectrum::Wavelengths;
-use barbule_light::spectrum::colour::Observer;
 use barbule_view::gpu::{
-    Api, Feather, Gpu, Grating, PackedGrating, PackedTables, Probe, Question, Shader, Waves, WavesOnGpu,
+    Api, Feather, Gpu, Grating, Layers, PackedGrating, PackedLayers, PackedTables, Probe, Question, Shader,
+    Sight, Waves, WavesOnGpu,
 };
 
 /// A shader on one adapter.
@@ -40,7 +40,7 @@ impl Asking {
     /// A feather's tables and as many of their wavelengths.
     pub(crate) fn feather(&self, tables: &BrdfTables, waves: usize) -> Loaded {
         let packed = PackedTables::new(tables, self.gpu.most_texels_along()).unwrap();
-        let waves = Waves::new(packed.wavelengths_nm(), Observer::default(), waves).unwrap();
+        let waves = Waves::new(packed.wavelengths_nm(), &Sight::default(), waves).unwrap();
         let material = Feather::new(&self.gpu, &packed).unwrap().group().clone();
         Loaded { on_gpu: WavesOnGpu::new(&self.gpu, &waves), waves, material }
     }
@@ -48,8 +48,15 @@ impl Asking {
     /// A grating's, and as many of the usual wavelengths.
     pub(crate) fn grating(&self, grating: &bsdf::Grating, waves: usize) -> Loaded {
         let packed = PackedGrating::new(grating, self.gpu.most_texels_along()).unwrap();
-        let waves = Waves::new(Wavelengths::usual().nm(), Observer::default(), waves).unwrap();
+        let waves = Waves::new(Wavelengths::usual().nm(), &Sight::default(), waves).unwrap();
         let material = Grating::new(&self.gpu, &packed).unwrap().group().clone();
+        Loaded { on_gpu: WavesOnGpu::new(&self.gpu, &waves), waves, material }
+    }
+
+    /// Layers', at as many of their wavelengths.
+    pub(crate) fn layers(&self, packed: &PackedLayers, waves: usize) -> Loaded {
+        let waves = Waves::new(packed.wavelengths_nm(), &Sight::default(), waves).unwrap();
+        let material = Layers::new(&self.gpu, packed).unwrap().group().clone();
         Loaded { on_gpu: WavesOnGpu::new(&self.gpu, &waves), waves, material }
     }
 

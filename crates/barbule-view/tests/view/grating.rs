@@ -108,9 +108,10 @@ fn colours_are_those_of_the_wavelengths() {
     }
 }
 
-/// What the orders reflect counts as if each were reflected as the mirror direction is: held against the integral of the renderer's
-/// values, over the whole.
-const ALBEDO_AGREES: f64 = 0.05;
+/// What the orders reflect counts as if each were reflected as the mirror direction is, which near grazing is more than steeper orders
+/// are: held against the integral of the renderer's values, over the whole, 2 % too much up to 35° and 8.4 % at 57°. Only the sky's light
+/// comes by it.
+const ALBEDO_AGREES: f64 = 0.09;
 
 #[test]
 fn what_is_reflected_is_nearly_the_integral() {

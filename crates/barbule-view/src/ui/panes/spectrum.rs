@@ -1,0 +1,238 @@
+//! Reflectance against wavelength.
+
+use barbule::spectrum::Spectrum;
+use barbule::spectrum::comparison::Comparison;
+use eframe::egui::{self, Color32, Ui};
+use egui_plot::{FilledArea, HoverPosition, Legend, Line, LineStyle, MarkerShape, Points, VLine};
+
+use super::seen::{self, Seen};
+use super::style;
+use super::words::{digits, percent};
+use super::{Memory, Once};
+use crate::live::spectral_srgb;
+use crate::state::{Beside, State};
+use crate::ui::{Action, Results};
+
+/// What was found of measured spectra: with the files, since they are all that tells one from another.
+pub(super) type Kept = Once<(Spectrum, Vec<String>), Vec<Result<Comparison, String>>>;
+
+/// A curve of the plot.
+struct Curve {
+    name: String,
+    spectrum: Spectrum,
+    deviation: Option<Vec<f64>>,
+    ink: Color32,
+    width: f32,
+    style: LineStyle,
+    marker: Option<MarkerShape>,
+}
+
+/// Draws reflectance against wavelength: of what is open with its deviation between individuals, of what is pinned, of the individual
+/// that is looked at, and what was measured; colours and numbers above, colours of the wavelengths below.
+pub fn spectrum(
+    ui: &mut Ui,
+    state: &State,
+    results: &Results,
+    memory: &mut Memory,
+    actions: &mut Vec<Action>,
+) {
+    if let Err(why) = seen::viewer(&mut memory.viewer, state) {
+        return style::not_there(ui, &why);
+    }
+    let both = seen::both(memory, state, results);
+    for (seen, whose) in both.into_iter().zip(["open", "pinned"]) {
+        if let Some(seen) = seen {
+            header(ui, seen, state, whose);
+        }
+    }
+    if both[0].is_some() && !results.own.is_whole {
+        ui.weak(format!("so far of {}, more to come", individuals(results.own.individuals)));
+    }
+    let curves = curves(ui, both, state, results);
+    let own = both[0].map(|seen| seen.spectrum.clone());
+    if curves.is_empty() {
+        style::not_there(ui, "no reflectance yet: it is computed, or there is none of what is open");
+        return;
+    }
+    plot(ui, curves, state);
+    if let Some(own) = own {
+        measured(ui, state, &own, &mut memory.measured, actions);
+    }
+}
+
+fn individuals(count: usize) -> String {
+    if count == 1 { "1 individual".to_owned() } else { format!("{count} individuals") }
+}
+
+fn header(ui: &mut Ui, seen: &Seen, state: &State, whose: &str) {
+    ui.horizontal_wrapped(|ui| {
+        seen::swatches(ui, &seen.sight, state, whose);
+        ui.label(format!("{whose}, {}°: {}", digits(seen.angle.to_degrees()), seen.words()));
+    });
+}
+
+/// Everything that is drawn, what is open first.
+fn curves(ui: &Ui, [own, pinned]: [Option<&Seen>; 2], state: &State, results: &Results) -> Vec<Curve> {
+    let mut curves = Vec::new();
+    let mut mean = |seen: &Seen, name: &str, ink, style| {
+        curves.push(Curve {
+            name: name.to_owned(),
+            spectrum: seen.spectrum.clone(),
+            deviation: seen.deviation.clone(),
+            ink,
+            width: 2.0,
+            style,
+            marker: None,
+        });
+    };
+    if let Some(seen) = own {
+        mean(seen, "open", style::own(ui), LineStyle::Solid);
+    }
+    if let Some(seen) = pinned {
+        mean(seen, "pinned", style::pinned(ui), style::DASHED);
+    }
+    if let Some(one) = &results.own.individual {
+        curves.push(Curve {
+            name: format!("individual {}, along its normal", state.view().individual),
+            spectrum: one.reflected.clone(),
+            deviation: None,
+            ink: ui.visuals().text_color(),
+            width: 0.8,
+            style: LineStyle::Solid,
+            marker: None,
+        });
+    }
+    for (place, beside) in state.beside().iter().enumerate() {
+        let (ink, marker) = style::measured(place);
+        let measured = beside.measured();
+        curves.push(Curve {
+            name: beside.name(),
+            spectrum: measured.mean.clone(),
+            deviation: measured.std.clone(),
+            ink,
+            width: 1.2,
+            style: style::DOTTED,
+            marker: Some(marker),
+        });
+    }
+    curves
+}
+
+fn plot(ui: &mut Ui, curves: Vec<Curve>, state: &State) {
+    let reading: Vec<(String, Spectrum)> =
+        curves.iter().map(|curve| (curve.name.clone(), curve.spectrum.clone())).collect();
+    let at_pointer = reading.clone();
+    let marked = state.view().wavelength_nm;
+    let weak = ui.visuals().weak_text_color();
+    let shown = style::plot("spectrum", "wavelength (nm)", "reflectance")
+        .height(style::plot_height(ui))
+        .include_y(0.0)
+        .legend(Legend::default().follow_insertion_order(true))
+        .label_formatter(move |position| {
+            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
+                position;
+            Some(read(&at_pointer, position.x).join("\n"))
+        })
+        .show(ui, move |plot| {
+            plot.vline(VLine::new("lobe's wavelength", marked).color(weak).style(style::DASHED).width(1.0));
+            for curve in curves {
+                draw(plot, curve);
+            }
+        });
+    let frame = *shown.transform.frame();
+    let (strip, _, _) = style::under(ui, [frame.left(), frame.right()]);
+    let [from, to] = [frame.left(), frame.right()]
+        .map(|x| shown.transform.value_from_position(egui::pos2(x, frame.center().y)).x);
+    style::strip(ui.painter(), strip, |part| style::rgb(spectral_srgb(from + f64::from(part) * (to - from))));
+    let words = match shown.response.hover_pos() {
+        Some(at) => read(&reading, shown.transform.value_from_position(at).x).join(" · "),
+        None => "point at the curves to read them".to_owned(),
+    };
+    ui.weak(words);
+}
+
+fn draw<'a>(plot: &mut egui_plot::PlotUi<'a>, curve: Curve) {
+    let Curve { name, spectrum, deviation, ink, width, style, marker } = curve;
+    let (nm, values) = (spectrum.wavelengths().nm(), spectrum.values());
+    if let Some(deviation) = deviation.filter(|deviation| deviation.len() == values.len()) {
+        let with = |sign: f64| -> Vec<f64> {
+            values.iter().zip(&deviation).map(|(mean, std)| (mean + sign * std).max(0.0)).collect()
+        };
+        let band = FilledArea::new(name.clone(), nm, &with(-1.0), &with(1.0));
+        plot.add(band.fill_color(ink.gamma_multiply(0.18)).allow_hover(false));
+    }
+    let points: Vec<[f64; 2]> = nm.iter().zip(values).map(|(nm, value)| [*nm, *value]).collect();
+    if let Some(marker) = marker {
+        // About a dozen markers tell curves apart, and do not cover them.
+        let every = (points.len() / 12).max(1);
+        let some: Vec<[f64; 2]> = points.iter().copied().step_by(every).collect();
+        plot.points(Points::new(name.clone(), some).shape(marker).radius(3.5).color(ink).allow_hover(false));
+    }
+    plot.line(Line::new(name, points).color(ink).width(width).style(style));
+}
+
+/// A wavelength, and each curve's value there.
+fn read(curves: &[(String, Spectrum)], nm: f64) -> Vec<String> {
+    let each =
+        curves.iter().filter_map(|(name, spectrum)| Some(format!("{name} {}", percent(spectrum.value(nm)?))));
+    std::iter::once(format!("{nm:.0} nm")).chain(each).collect()
+}
+
+/// The measured spectra in numbers, each with a button that takes it away.
+fn measured(ui: &mut Ui, state: &State, own: &Spectrum, kept: &mut Kept, actions: &mut Vec<Action>) {
+    let files: Vec<String> = state.beside().iter().map(|beside| beside.file().to_owned()).collect();
+    let compare = |beside: &Beside| beside.compare(own).map_err(|error| error.to_string());
+    let found = kept.of(&(own.clone(), files), |_| state.beside().iter().map(compare).collect());
+    for (place, (beside, found)) in state.beside().iter().zip(found).enumerate() {
+        ui.horizontal_wrapped(|ui| {
+            let button = ui.small_button("take away").on_hover_text(beside.file());
+            if button.clicked() {
+                actions.push(Action::TakeAway(place));
+            }
+            ui.label(match found {
+                Ok(found) => format!("{}: {}", beside.name(), numbers(found)),
+                Err(why) => format!("{}: {why}", beside.name()),
+            })
+            .on_hover_text(&beside.measured().reading);
+        });
+    }
+}
+
+/// What a comparison with a measurement says first.
+fn numbers(found: &Comparison) -> String {
+    let mut parts = vec![format!("rms difference {}", percent(found.rmse))];
+    if let Some(peak) = found.measured.peak {
+        parts.push(format!("peak {:.0} nm", peak.nm));
+    }
+    if let Some(shift) = found.peak_shift_nm() {
+        parts.push(format!("open's is {shift:+.0} nm from it"));
+    }
+    if let Some(delta) = found.delta_e_2000 {
+        parts.push(format!("\u{394}E00 {}", digits(delta)));
+    }
+    parts.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use barbule::spectrum::Wavelengths;
+
+    fn line(from: f64, to: f64) -> Spectrum {
+        Spectrum::new(Wavelengths::new([400.0, 500.0, 600.0]).unwrap(), vec![from, 0.5 * (from + to), to])
+            .unwrap()
+    }
+
+    #[test]
+    fn curves_are_read_where_they_are_known() {
+        let curves = [("open".to_owned(), line(0.1, 0.3)), ("pinned".to_owned(), line(0.4, 0.4))];
+        assert_eq!(read(&curves, 450.0), ["450 nm", "open 15 %", "pinned 40 %"]);
+        assert_eq!(read(&curves, 700.0), ["700 nm"]);
+    }
+
+    #[test]
+    fn comparisons_say_how_far_apart_curves_are() {
+        let found = Comparison::of(&line(0.1, 0.3), &line(0.2, 0.4), None).unwrap();
+        assert!(numbers(&found).starts_with("rms difference 10 %"), "{}", numbers(&found));
+    }
+}
