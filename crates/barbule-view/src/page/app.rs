@@ -92,7 +92,15 @@ impl Page {
         let info = state.adapter.get_info();
         let gpu = Gpu::of(state.device.clone(), state.queue.clone(), info);
         super::controls::dress(&context.egui_ctx);
-        let picture = Picture::new(gpu, state.target_format)?;
+        Self::on(gpu, state.target_format, around)
+    }
+
+    /// On an adapter, for targets of a format.
+    ///
+    /// # Errors
+    /// The adapter refuses a shader.
+    pub fn on(gpu: Gpu, format: wgpu::TextureFormat, around: Box<dyn Surroundings>) -> Result<Self> {
+        let picture = Picture::new(gpu, format)?;
         around.mark("barbule-started");
         Ok(Self::of(picture, around))
     }
@@ -169,6 +177,9 @@ impl Page {
         self.fault = result.err().map(|error| error.to_string());
         self.shown = Some(self.asked);
         self.plots.ms = self.around.now_ms() - begun;
+        let Asked { choice, solid, .. } = self.asked;
+        let ms = self.plots.ms;
+        self.around.mark(&format!("barbule-shows {} on {}: {ms:.1} ms", choice.label(), solid.label()));
     }
 
     /// What is worn, where it is known already; materials that are not are fetched.
