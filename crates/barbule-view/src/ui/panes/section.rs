@@ -2,8 +2,8 @@
 
 use barbule::structure::Section;
 use eframe::egui::{
-    Align2, Color32, ColorImage, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle,
-    TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, ColorImage, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind,
+    TextStyle, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::layers::{self, Layer};
