@@ -148,10 +148,10 @@ impl App {
         &self.results
     }
 
-    /// Whether something is computed.
+    /// Whether something is computed, samples of the traced picture among it.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.desk.is_busy()
+        self.desk.is_busy() || self.traced.is_busy()
     }
 
     /// What the window says at its bottom.
@@ -262,6 +262,8 @@ impl App {
             traced::traced(ui, &self.state, &mut self.traced, actions);
             return;
         }
+        // Nobody sees its samples here.
+        self.traced.stop();
         picture::picture(ui, &self.state, &self.stage, &mut self.picture, actions);
         let Some(rect) = self.picture.rect else { return };
         if self.stage.is_ok() {
@@ -399,7 +401,7 @@ impl App {
             Action::MakeMaterial { whole } => self.desk.make_material(&self.state, whole),
             Action::Stop => {
                 self.desk.stop();
-                self.traced.stop();
+                self.traced.pause();
                 Ok(())
             }
         }

@@ -121,6 +121,11 @@ impl Traced {
         self.flight = None;
     }
 
+    /// Lets the samples rest until somebody goes on.
+    pub(super) fn pause(&self) {
+        self.tracer.iter().for_each(|tracer| tracer.pause(true));
+    }
+
     /// Fetches what the tracer tells.
     fn listen(&mut self, ctx: &Context) {
         for update in self.tracer.iter().flat_map(Tracer::updates).collect::<Vec<_>>() {
