@@ -16,9 +16,9 @@ mod raster;
 mod show;
 mod sight;
 mod strips;
-mod window;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod trace;
+mod window;
 #[cfg(not(target_arch = "wasm32"))]
 mod worker;
 

@@ -99,7 +99,9 @@ fn peaks(
             for (whose, points) in curves {
                 let Pen { ink, width, dashes, marker } = pens[usize::from(whose != "open")];
                 if let Some(marker) = marker {
-                    plot.points(Points::new(whose.clone(), points.clone()).shape(marker).radius(2.5).color(ink));
+                    plot.points(
+                        Points::new(whose.clone(), points.clone()).shape(marker).radius(2.5).color(ink),
+                    );
                 }
                 plot.line(Line::new(whose, points).color(ink).width(width).style(dashes));
             }

@@ -13,8 +13,8 @@ use eframe::egui::{
 };
 use egui_plot::{Line, uniform_grid_spacer};
 
-use super::words::digits;
 use super::style::Pen;
+use super::words::digits;
 use super::{Memory, seen, style};
 use crate::live::{
     Hemisphere, Lobe, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of, radius_of,

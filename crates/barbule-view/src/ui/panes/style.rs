@@ -3,7 +3,8 @@
 use barbule::plot::PALETTE;
 use barbule::spectrum::look::hex;
 use eframe::egui::{
-    Color32, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 use egui_plot::{LineStyle, MarkerShape, Plot};
 
@@ -83,10 +84,7 @@ impl Pen {
     /// What is open, and what is pinned.
     pub(super) fn both(ui: &Ui) -> [Self; 2] {
         let pen = |ink, dashes, marker| Self { ink, width: 2.0, dashes, marker: Some(marker) };
-        [
-            pen(own(ui), LineStyle::Solid, MarkerShape::Circle),
-            pen(pinned(ui), DASHED, MarkerShape::Square),
-        ]
+        [pen(own(ui), LineStyle::Solid, MarkerShape::Circle), pen(pinned(ui), DASHED, MarkerShape::Square)]
     }
 
     /// The same without markers.
@@ -124,7 +122,9 @@ fn mark(marker: MarkerShape, at: Pos2, ink: Color32) -> Vec<Shape> {
         vec![Shape::convex_polygon(points, ink, Stroke::NONE)]
     };
     let lines = |ends: &[[f32; 2]]| -> Vec<Shape> {
-        let line = |[x, y]: &[f32; 2]| Shape::line_segment([at - 3.5 * vec2(*x, *y), at + 3.5 * vec2(*x, *y)], stroke);
+        let line = |[x, y]: &[f32; 2]| {
+            Shape::line_segment([at - 3.5 * vec2(*x, *y), at + 3.5 * vec2(*x, *y)], stroke)
+        };
         ends.iter().map(line).collect()
     };
     let (tall, half) = (0.87, 0.5);
