@@ -6,9 +6,11 @@
 
 mod arrays;
 mod batch;
+mod container;
 mod correlation;
 mod evaluate;
 mod exact;
+mod file;
 pub mod fit;
 mod fitted;
 mod fitted_node;
@@ -36,8 +38,10 @@ mod table;
 mod tables;
 
 pub use arrays::{Numbers, TableArray};
+pub use container::container_checksum;
 pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
+pub use file::{decode_material, encode_material};
 pub use halo::{HALO_SIGMAS, Halo, HaloAt, MOST_HALOS};
 pub use marginal::{Marginal, marginals, reflected_fractions};
 pub use material::{

@@ -156,7 +156,7 @@ impl Desk {
     /// The system gives no thread.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
         let wake: Wake = Arc::new(wake);
-        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)?, drawn: None })
+        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)? })
     }
 
     /// Asks for whatever has changed, takes what was found, and says what else is new.

@@ -245,6 +245,7 @@ fn hands_turn_move_and_zoom_the_picture_and_a_drag_is_one_change() {
     window.hover_at(middle);
     window.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
+        source: egui::MouseWheelSource::Wheel,
         delta: vec2(0.0, 50.0),
         phase: egui::TouchPhase::Move,
         modifiers: Modifiers::NONE,

@@ -28,8 +28,8 @@ use barbule::spectrum::sensor::Sensor;
 use barbule::vision::{FalseColour, false_colour};
 use barbule::{DVec3, Result, Unobserved};
 use eframe::egui::{
-    Color32, ColorImage, Context, CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense,
-    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, CursorIcon, Frame, Margin, PointerButton, Pos2, Rect, Response, Role,
+    Sense, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use super::Action;
@@ -82,7 +82,7 @@ type OfMemory = (String, Option<String>);
 
 /// What the traced picture remembers between the window's frames.
 #[derive(Default)]
-pub struct Traced {
+pub(super) struct Traced {
     tracer: Option<Tracer>,
     asked: Option<Asked>,
     picture: Option<Arc<TracedPicture>>,
@@ -103,18 +103,18 @@ pub struct Traced {
 impl Traced {
     /// The newest picture: its size in pixels, and RGBA with 8 bits each, row by row.
     #[must_use]
-    pub fn picture(&self) -> Option<([u32; 2], &[u8])> {
+    pub(super) fn picture(&self) -> Option<([u32; 2], &[u8])> {
         self.picture.as_ref().map(|picture| (picture.size, &picture.rgba[..]))
     }
 
     /// Whether samples are on their way.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.tracer.as_ref().is_some_and(Tracer::is_busy)
     }
 
     /// Stops and forgets what is traced, as while another mode is shown; what stands in the scene is kept.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         if self.asked.take().is_some() {
             self.tracer.iter().for_each(Tracer::stop);
         }
@@ -214,7 +214,7 @@ impl Traced {
 }
 
 /// Every barbule of the first feathers of a scene stands, of a coat in few variants. Whether it has feathers.
-pub fn every_barbule(scene: &mut SceneDescription) -> bool {
+pub(super) fn every_barbule(scene: &mut SceneDescription) -> bool {
     let Some(detail) = scene.detail_mut() else { return false };
     detail.level = DetailLevel::Barbules;
     let coat = scene.objects.iter_mut().find_map(|object| match &mut object.shape {
@@ -263,10 +263,12 @@ fn job(state: &State, settings: &Settings, size: [u32; 2], is_moving: bool) -> R
 /// Draws the traced picture with what belongs to it, in all the room that there is: a line of controls, what is known of the picture,
 /// and the picture itself, under lamp, axes and scale bar. Dragging turns the camera, with the right button or two fingers it shifts; the wheel
 /// zooms towards what is under the pointer, and a double click puts that into the middle.
-pub fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action>) {
+pub(super) fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action>) {
     memory.listen(ui.ctx());
-    controls::controls(ui, state, memory, actions);
-    controls::told(ui, memory);
+    Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+        controls::controls(ui, state, memory, actions);
+        controls::told(ui, memory);
+    });
     let rect = ui.available_rect_before_wrap();
     if rect.width() < 8.0 || rect.height() < 8.0 {
         return;

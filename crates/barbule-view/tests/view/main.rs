@@ -3,6 +3,7 @@
 mod feather;
 mod grating;
 mod layers;
+mod page;
 mod picture;
 mod questions;
 mod tone;

@@ -10,11 +10,11 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::container::checksum;
 use super::whole::read_at_most;
 use super::write_whole;
 use crate::brdf::{
     BrdfTables, MOST_HALOS, Numbers, Reciprocity, Spectral, TABLES_VERSION, TableArray, TablesHeader,
+    container_checksum,
 };
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
@@ -88,7 +88,7 @@ pub fn encode_tables(tables: &BrdfTables) -> Result<Vec<u8>> {
         .collect();
     let mut description = description_of(&tables.header());
     let bytes = arrays.iter().map(|(name, (.., bytes))| (name.as_str(), bytes.as_slice()));
-    description.checksum = checksum(&json(&description)?, bytes);
+    description.checksum = container_checksum(&json(&description)?, bytes);
     let refuse =
         |e: safetensors::SafeTensorError| Error::machine(format!("the tables cannot be stored: {e}"));
     let views = arrays
@@ -124,7 +124,8 @@ pub fn decode_tables(bytes: &[u8]) -> Result<BrdfTables> {
     let mut views = container.tensors();
     views.sort_by(|a, b| a.0.cmp(&b.0));
     let bare = Description { checksum: String::new(), ..description.clone() };
-    let found = checksum(&json(&bare)?, views.iter().map(|(name, view)| (name.as_str(), view.data())));
+    let found =
+        container_checksum(&json(&bare)?, views.iter().map(|(name, view)| (name.as_str(), view.data())));
     if found != description.checksum {
         return Err(Error::input(
             "the checksum does not match the contents: the file was damaged or edited; make it again",
@@ -294,7 +295,7 @@ mod tests {
         description.checksum = String::new();
         edit(&mut description);
         let arrays = views.iter().map(|(name, view)| (name.as_str(), view.data()));
-        description.checksum = checksum(&json(&description).unwrap(), arrays);
+        description.checksum = container_checksum(&json(&description).unwrap(), arrays);
         let entries = HashMap::from([(ENTRY.to_owned(), json(&description).unwrap())]);
         safetensors::serialize(views, Some(entries)).unwrap()
     }

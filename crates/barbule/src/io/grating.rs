@@ -9,7 +9,8 @@ use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
 use super::whole::read_at_most;
-use super::{container, write_whole};
+use super::write_whole;
+use crate::brdf::container_checksum;
 use crate::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Orders, Place, Powers, Setup, TableGrid, Tables,
 };
@@ -228,7 +229,7 @@ fn checksum<'a>(
 ) -> Result<String> {
     let bare = Description { checksum: String::new(), ..description.clone() };
     let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
-    Ok(container::checksum(&json, tensors))
+    Ok(container_checksum(&json, tensors))
 }
 
 #[cfg(test)]

@@ -86,7 +86,7 @@ fn mirror(incident: DVec3) -> [f64; 2] {
 
 /// Draws the disc; the place that the pointer touches, if it does. A click keeps a place, a double click lets it go.
 fn disc(ui: &mut Ui, hemisphere: &Hemisphere, incident: DVec3, kept: &mut Kept) -> Option<[f64; 2]> {
-    let side = ui.available_width().min(LARGEST).max(4.0 * MARGIN);
+    let side = ui.available_width().clamp(4.0 * MARGIN, LARGEST);
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::click());
     let disc = rect.shrink(MARGIN);
     let white = kept.white.unwrap_or_else(|| hemisphere.white());

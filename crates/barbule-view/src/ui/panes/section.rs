@@ -213,14 +213,11 @@ fn texture(
 ) -> TextureId {
     let pixels = |points: f32| (points * ui.ctx().pixels_per_point()).round().clamp(1.0, MOST_PX) as usize;
     let size = [pixels(rect.width()), pixels(rect.height())];
-    if let Some(known) = drawn {
-        if known.size == size
-            && known.window == window
-            && known.section == *section
-            && known.legend == *legend
-        {
-            return known.texture.id();
-        }
+    let is_known = |known: &&mut Drawn| {
+        known.size == size && known.window == window && known.section == *section && known.legend == *legend
+    };
+    if let Some(known) = drawn.as_mut().filter(is_known) {
+        return known.texture.id();
     }
     let Raster { size, rgb } = raster(section, legend, &window, size);
     let image = ColorImage::from_rgb(size, &rgb);

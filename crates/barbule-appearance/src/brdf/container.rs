@@ -1,7 +1,11 @@
 //! What all *safetensors* containers of this program have in common.
 
 /// BLAKE3 of a container's description, whose own checksum is empty, then of each array's name, a zero byte and its bytes.
-pub(super) fn checksum<'a>(description: &str, arrays: impl Iterator<Item = (&'a str, &'a [u8])>) -> String {
+#[must_use]
+pub fn container_checksum<'a>(
+    description: &str,
+    arrays: impl Iterator<Item = (&'a str, &'a [u8])>,
+) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(description.as_bytes());
     for (name, bytes) in arrays {
