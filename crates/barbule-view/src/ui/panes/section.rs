@@ -32,7 +32,8 @@ const STEP: f64 = 1.5;
 pub(super) struct Kept {
     /// What is looked at of which subject: its middle and width stay as the view's shape changes.
     window: Option<(String, Window)>,
-    legend: super::Once<[Option<Section>; 2], Legend>,
+    /// The media, and of which sections.
+    legend: Option<([Option<Section>; 2], Legend)>,
     drawn: [Option<Drawn>; 2],
 }
 
@@ -76,8 +77,7 @@ pub fn section(
         );
     };
     let kept = &mut memory.section;
-    let legend = kept.legend.of(&[own.cloned(), pinned.cloned()], |both| Legend::of(both.iter().flatten()));
-    let legend = legend.clone();
+    let legend = legend(&mut kept.legend, [own, pinned]);
     let wide = ui.available_width();
     let columns = if wide >= SIDE_BY_SIDE * shown.len() as f32 { shown.len() } else { 1 };
     let gap = ui.spacing().item_spacing.x;
@@ -105,6 +105,18 @@ pub fn section(
     entries(ui, &legend);
     listed(ui, &shown);
     individual(ui, state, actions);
+}
+
+/// The media of both, found anew where a section has changed.
+fn legend(kept: &mut Option<([Option<Section>; 2], Legend)>, both: [Option<&Section>; 2]) -> Legend {
+    match kept {
+        Some((known, legend)) if known.each_ref().map(Option::as_ref) == both => legend.clone(),
+        _ => {
+            let legend = Legend::of(both.into_iter().flatten());
+            *kept = Some((both.map(Option::<&Section>::cloned), legend.clone()));
+            legend
+        }
+    }
 }
 
 fn layers_of(subject: &Subject) -> Vec<Layer> {
