@@ -146,7 +146,7 @@ fn the_window_shows_samples_as_they_come_and_dragging_turns_the_camera() {
 }
 
 #[test]
-fn the_wheel_zooms_a_double_click_looks_there_and_a_flight_arrives() {
+fn the_wheel_zooms_and_a_flight_arrives() {
     let folder = tempfile::tempdir().unwrap();
     let mut harness = window(&ball(&folder), |_| {});
     until(&mut harness, |desk| desk.memory.is_done);
