@@ -78,6 +78,10 @@ fn peaks(
     for one in drawn.iter().flat_map(|(_, seen)| *seen) {
         ends = [ends[0].min(one.reach[0].to_degrees()), ends[1].max(one.reach[1].to_degrees())];
     }
+    // Where nothing is known yet, the axis has all angles; a plot without ends would have a grid without one.
+    if !(ends[0].is_finite() && ends[0] < ends[1]) {
+        ends = [0.0, 90.0];
+    }
     let curves: Vec<(String, Vec<[f64; 2]>)> = drawn
         .into_iter()
         .map(|(whose, seen)| {
