@@ -148,8 +148,13 @@ impl Solid {
                 let of = Feather::of_type("contour")?;
                 let [share, radius] = PIECE;
                 let window = VaneDisc { along_mm: share * of.shaft.length_mm, radius_mm: Some(radius) };
-                let request =
-                    FeatherRequest { feather: &of, window, seed: 1, most_triangles: MOST_TRIANGLES };
+                let request = FeatherRequest {
+                    feather: &of,
+                    window,
+                    zones: None,
+                    seed: 1,
+                    most_triangles: MOST_TRIANGLES,
+                };
                 Ok(feather(&request, &Unobserved)?.0)
             }
         }

@@ -73,7 +73,7 @@ impl Axis {
 }
 
 /// Draws a curve in the whole width that there is; its values are told where the pointer is.
-pub fn curve(ui: &mut Ui, curve: &Curve, axis: Axis) {
+pub(super) fn curve(ui: &mut Ui, curve: &Curve, axis: Axis) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let inner = Rect::from_min_max(rect.min + vec2(LEFT, 8.0), rect.max - vec2(8.0, BELOW + STRIP));
@@ -164,7 +164,7 @@ pub fn on_screen(linear: [f64; 3]) -> Color32 {
 
 /// Colours side by side over their angles, all brighter by the same factor, so that the brightest is as bright as a screen shows
 /// without losing its hue.
-pub fn strip(ui: &mut Ui, colours: &[[f64; 3]], degrees: &[f64]) {
+pub(super) fn strip(ui: &mut Ui, colours: &[[f64; 3]], degrees: &[f64]) {
     let size = vec2(ui.available_width(), 44.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
     let inner = Rect::from_min_max(rect.min + vec2(LEFT, 2.0), rect.max - vec2(8.0, 28.0));
@@ -193,7 +193,7 @@ fn brightening(colours: &[[f64; 3]]) -> f64 {
 }
 
 /// A patch of a colour, made brighter as [`strip`] does, with how bright it is.
-pub fn swatch(ui: &mut Ui, linear: [f64; 3]) {
+pub(super) fn swatch(ui: &mut Ui, linear: [f64; 3]) {
     ui.horizontal(|ui| {
         let (rect, _) = ui.allocate_exact_size(vec2(34.0, 22.0), Sense::hover());
         let factor = brightening(&[linear]);
