@@ -26,4 +26,6 @@ pub use fetch::{Fetched, Surroundings};
 pub use film::{Film, Kind, Looked, STRIP_DEG};
 pub use grating::Ridges;
 pub use spectrum::{Axis, Curve, on_screen};
+#[cfg(all(target_arch = "wasm32", feature = "page"))]
+pub use start::start;
 pub use view::{Axes, Bearing, Extent, View};

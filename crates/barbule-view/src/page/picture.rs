@@ -133,7 +133,7 @@ impl Picture {
         if let Some(touch) = ui.input(egui::InputState::multi_touch).filter(|_| response.contains_pointer()) {
             let moved = touch.translation_delta;
             view = view.relit([moved.x, moved.y].map(f64::from)).zoomed(1.0 / f64::from(touch.zoom_delta));
-        } else if self.is_on_dome && (response.dragged() || response.clicked()) {
+        } else if self.is_on_dome && response.dragged() {
             if let Some(at) = response.interact_pointer_pos() {
                 view = view.lit_from(place_on(dome, at));
             }

@@ -7,7 +7,7 @@ use eframe::egui;
 use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen::{JsCast as _, JsValue};
 use wasm_bindgen_futures::{JsFuture, spawn_local};
-use web_sys::{Document, HtmlCanvasElement, HtmlLinkElement, Performance, Response, Window};
+use web_sys::{Document, HtmlCanvasElement, Performance, Response, Window};
 
 use super::app::Page;
 use super::fetch::{Fetched, Surroundings};
@@ -53,8 +53,7 @@ impl Surroundings for Browser {
 
     fn help(&self) -> String {
         let link = self.document.get_element_by_id(HELP);
-        let link = link.and_then(|link| link.dyn_into::<HtmlLinkElement>().ok());
-        link.map(|link| link.href()).unwrap_or_default()
+        link.and_then(|link| link.get_attribute("href")).unwrap_or_default()
     }
 }
 
@@ -92,7 +91,6 @@ fn say(document: &Document, sentence: &str) {
 /// Starts the page; browsers call it when the program is loaded.
 #[wasm_bindgen(start)]
 pub fn start() {
-    console_error_panic_hook::set_once();
     let Some(window) = web_sys::window() else { return };
     let Some(document) = window.document() else { return };
     let canvas = document.get_element_by_id(CANVAS).and_then(|canvas| canvas.dyn_into().ok());
