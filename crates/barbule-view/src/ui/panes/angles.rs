@@ -78,6 +78,8 @@ fn peaks(
     for one in drawn.iter().flat_map(|(_, seen)| *seen) {
         ends = [ends[0].min(one.reach[0].to_degrees()), ends[1].max(one.reach[1].to_degrees())];
     }
+    // Of an eye whose wavelengths are not there yet nothing is seen at any angle, and a plot has no endless axis.
+    let ends = if ends[0] <= ends[1] { ends } else { [0.0, 90.0] };
     let curves: Vec<(String, Vec<[f64; 2]>)> = drawn
         .into_iter()
         .map(|(whose, seen)| {
