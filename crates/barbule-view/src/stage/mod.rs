@@ -26,7 +26,7 @@ use crate::{Error, Result};
 /// Wavelengths of a frame where the processor draws it, and where a graphics card does.
 const WAVES: [usize; 2] = [6, MOST_WAVES];
 /// How much coarser pictures are while they move, likewise.
-const COARSE: [u32; 2] = [2, 1];
+const COARSE: [u32; 2] = [3, 1];
 /// Frames of a picture at rest at least: places within a pixel, and on the lamp.
 const LEAST_FRAMES: u32 = 16;
 /// Columns or rows of the meter's picture.
@@ -133,7 +133,7 @@ impl Stage {
         self.most_waves = most.clamp(2, MOST_WAVES);
     }
 
-    /// Pictures that move are so much coarser than at rest, 1 for not at all; a processor that draws takes 2.
+    /// Pictures that move are so much coarser than at rest, 1 for not at all; a processor that draws takes 3.
     pub fn coarsen(&mut self, by: u32) {
         self.coarse = by.max(1);
     }
