@@ -339,7 +339,7 @@ const COLOUR: f32 = 1.5;
 /// Pixels of 540000 that may differ more: letters' edges, and the rim of the sphere.
 const PIXELS: usize = 1000;
 /// Frames of which the compared picture is the mean.
-const FRAMES: usize = 15;
+const FRAMES: usize = 4;
 
 /// An adapter as a window has one; none, with a line, where the machine has none.
 fn adapter() -> Option<RenderState> {

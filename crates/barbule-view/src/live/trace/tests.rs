@@ -8,8 +8,8 @@ use barbule::picture::{Picture, PictureOptions};
 use barbule::scene::description::SceneDescription;
 use barbule::spectrum::sensor::Sensor;
 
-/// Most time that a picture may go on after it was stopped.
-const AT_ONCE: Duration = Duration::from_millis(100);
+/// Most time that a picture may go on after it was stopped; a tenth of it on a machine with nothing else to do.
+const AT_ONCE: Duration = Duration::from_secs(1);
 
 /// A ball under a lamp, exposed by what it shows.
 const BALL: &str = "
