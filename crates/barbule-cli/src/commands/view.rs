@@ -18,7 +18,7 @@ const PROGRAM: &str = "barbule-view";
         The window is another program, barbule-view, found beside barbule or on the PATH; `barbule view -- --help` lists its flags."
 )]
 pub(crate) struct Args {
-    /// A species, stack, grating or preset, or the file of one, and flags of barbule-view: --screenshot, --size, --light, --camera, --mode, --bench …
+    /// A species, stack, grating or preset, or the file of one, and flags of barbule-view: --screenshot, --size, --light, --camera, --mode, --mean, --eye, --frames, --bench, --state
     #[arg(value_name = "X", trailing_var_arg = true, allow_hyphen_values = true)]
     words: Vec<OsString>,
 }
