@@ -5,8 +5,8 @@ use barbule::scene::description::ToneWord;
 use crate::stage::Look;
 use crate::state::{Camera, Shown, View};
 
-/// Behind everything: a dark neutral grey, in which colours are judged well.
-const BEHIND: [f32; 3] = [0.019, 0.021, 0.023];
+/// Behind everything: a dark neutral grey, in which colours are judged well; #26282b, as in the scenes that are exported.
+const BEHIND: [f32; 3] = [0.0194, 0.0212, 0.0242];
 
 /// Camera and light of a view.
 #[must_use]

@@ -123,7 +123,7 @@ pub struct Exposure {
     pub stops: f32,
     /// The curve.
     pub tone: ToneWord,
-    /// Linear sRGB behind what is drawn, before the exposure.
+    /// Linear sRGB on the screen behind what is drawn.
     pub behind: [f32; 3],
 }
 

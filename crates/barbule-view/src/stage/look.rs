@@ -40,10 +40,7 @@ pub struct Look {
 impl Look {
     /// How the film is shown; `metered` stops are the meter's.
     pub(super) fn exposure(&self, metered: f32) -> Exposure {
-        let stops = self.stops + metered;
-        // What is behind does not change with the exposure.
-        let scale = (-stops).exp2();
-        Exposure { stops, tone: self.tone, behind: self.behind.map(|v| v * scale) }
+        Exposure { stops: self.stops + metered, tone: self.tone, behind: self.behind }
     }
 
     /// Whether a film of another look is one of this too, however it is shown.

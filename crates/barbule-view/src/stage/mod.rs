@@ -138,6 +138,11 @@ impl Stage {
         self.coarse = by.max(1);
     }
 
+    /// Another exposure, stops, than the meter's, until another shape is put on.
+    pub fn expose(&mut self, stops: f32) {
+        self.metered = Some(stops);
+    }
+
     /// How much coarser they are.
     #[must_use]
     pub fn coarse(&self) -> u32 {

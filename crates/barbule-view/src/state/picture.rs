@@ -6,7 +6,10 @@ use barbule::error::shortened;
 use barbule::fields::{Record as _, Value};
 use barbule::open::{self, Opening};
 use barbule::progress::Progress;
-use barbule::scene::description::{Bearing, KeyLight, SceneDescription, SkyDescription, View as SceneView};
+use barbule::scene::description::{
+    Background, Bearing, Exposure, KeyLight, SceneDescription, SkyDescription, Tone, ToneWord,
+    View as SceneView,
+};
 use barbule::structure::Side;
 use barbule::{Error, Result};
 use serde_json::json;
@@ -22,6 +25,8 @@ const STEEP_DEG: f64 = 60.0;
 const VANE_FILE: &str = "vane.obj";
 /// Behind balls and vanes.
 const BEHIND: &str = "#26282b";
+/// The same behind feathers, sRGB.
+const BEHIND_SRGB: [f64; 3] = [38.0 / 255.0, 40.0 / 255.0, 43.0 / 255.0];
 /// What is beneath a grating and of what its surface is.
 const PIGMENT: &str = "#20140d";
 const GRATING_INDEX: f64 = 1.55;
@@ -136,8 +141,13 @@ impl Subject {
                 KeyLight { radius_deg: view.light.radius_deg, strength: view.light.strength, bearing };
             scene.sky = SkyDescription::Gradient { zenith: view.light.sky, horizon: 1.0, below: 1.0 };
             scene.camera = SceneView::read(&camera_table(&view.camera), "camera")?;
+            // As the window shows it: by itself, on film, exposed by what it shows.
+            scene.leave_ground();
+            scene.background = Background::Colour(BEHIND_SRGB);
+            (scene.exposure, scene.tone) = (Exposure::AUTO, Tone(ToneWord::Filmic));
         } else {
             scene.light.bearing = bearing;
+            scene.light.radius_deg = view.light.radius_deg;
             let Camera { azimuth_deg, elevation_deg, width_mm, target_mm } = view.camera;
             scene.camera.bearing = Bearing { azimuth_deg, elevation_deg };
             (scene.camera.width_mm, scene.camera.target) = (width_mm, target_mm);
@@ -182,6 +192,8 @@ impl Subject {
             "light": light_table(&view.light),
             "camera": camera_table(&view.camera),
             "sky": view.light.sky,
+            "exposure": "auto",
+            "tone": "filmic",
         });
         parsed(&text)
     }
@@ -196,6 +208,7 @@ fn object(shape: &Value, skin: Value, view: &View) -> Result<SceneDescription> {
     parsed(&json!({
         "shows_feather": false,
         "exposure": "auto",
+        "tone": "filmic",
         "sky": view.light.sky,
         "sky_horizon": 1.0,
         "sky_below": 1.0,

@@ -8,4 +8,5 @@ mod layers;
 mod page;
 mod picture;
 mod questions;
+mod renderer;
 mod tone;

@@ -3,7 +3,7 @@
 struct Develop {
     // Factor of the exposure; 1 by the film's curve, 0 by the plain one; 1 where the target applies sRGB's transfer curve itself.
     how: vec4f,
-    // Linear sRGB behind the picture.
+    // Linear sRGB on the screen behind the picture.
     behind: vec4f,
 }
 
@@ -38,8 +38,9 @@ fn fs_gather(whole: Whole) -> @location(0) vec4f {
 @fragment
 fn fs_develop(whole: Whole) -> @location(0) vec4f {
     let light = develop_pixel(whole);
-    let linear = (light.xyz + (1.0 - light.w) * develop.behind.xyz) * develop.how.x;
-    let shown = tone_shown(linear, develop.how.y > 0.5);
+    // As the renderer develops: what is behind is on the screen as it is.
+    let front = tone_shown(light.xyz / max(light.w, 1e-4) * develop.how.x, develop.how.y > 0.5);
+    let shown = mix(develop.behind.xyz, front, light.w);
     if develop.how.z > 0.5 {
         return vec4f(shown, 1.0);
     }
