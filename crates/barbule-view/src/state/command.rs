@@ -1,6 +1,6 @@
 //! The command lines that make the same pictures, figures and tables as the window shows.
 
-use barbule::open::Opening;
+use barbule::open::{self, Opening};
 use barbule::progress::Progress;
 use barbule::structure::Side;
 use barbule::{Error, Result};
@@ -98,12 +98,18 @@ impl Command {
     ) -> Result<Self> {
         let (scene, mut files) = subject.scene(view, opening, progress)?;
         let [width, height] = size;
-        let typed = match view.mode {
-            Mode::Scene if view.preset.is_none() && !subject.is_moved() => subject.text().to_owned(),
-            _ => {
-                files.insert(0, NeededFile { name: SCENE_FILE.into(), text: scene.to_toml()? });
-                SCENE_FILE.to_owned()
-            }
+        let mut is_said_by_flags = view.mode == Mode::Scene && view.preset.is_none() && !subject.is_moved();
+        if is_said_by_flags {
+            // Flags turn the light and the camera, no more.
+            let own = open::description(subject.text(), opening, progress)?;
+            is_said_by_flags =
+                own.light.radius_deg == scene.light.radius_deg && own.camera.target == scene.camera.target;
+        }
+        let typed = if is_said_by_flags {
+            subject.text().to_owned()
+        } else {
+            files.insert(0, NeededFile { name: SCENE_FILE.into(), text: scene.to_toml()? });
+            SCENE_FILE.to_owned()
         };
         let size = format!("{width}x{height}");
         let mut command = Self::new(&["render", &typed, "--size", &size]);
@@ -182,6 +188,7 @@ fn quoted(word: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::state::view::{Camera, Light};
     use barbule::Unobserved;
     use std::collections::BTreeMap;
 
@@ -195,13 +202,23 @@ mod tests {
 
     #[test]
     fn scenes_are_drawn_by_their_names_and_everything_else_by_a_file() {
-        let mut view = View { mode: Mode::Scene, ..View::default() };
-        let command = picture(&opened("starling-feather"), &view);
-        assert_eq!(
-            command.line(),
-            "barbule render starling-feather --size 640x480 --light=340,50 --view=180,60,30 -o picture.png"
+        let state = crate::state::State::open("starling-feather", &Opening::default(), &Unobserved).unwrap();
+        let mut view = state.view().clone();
+        (view.light.azimuth_deg, view.light.elevation_deg, view.camera.width_mm) = (340.0, 50.0, 30.0);
+        let command = picture(state.subject(), &view);
+        let line = command.line();
+        assert!(
+            line.starts_with("barbule render starling-feather --size 640x480 --light=340,50 --view="),
+            "{line}"
         );
+        assert!(line.ends_with(",30 -o picture.png"), "{line}");
         assert_eq!(command.files, []);
+        // No flag says how large the lamp is, nor what the camera looks at.
+        let larger = View { light: Light { radius_deg: 20.0, ..view.light }, ..view.clone() };
+        let aside = View { camera: Camera { target_mm: [1.0, 2.0, 0.0], ..view.camera }, ..view.clone() };
+        for changed in [larger, aside] {
+            assert_eq!(picture(state.subject(), &changed).files[0].name, "scene.toml");
+        }
         view.eye = Seer::Bird("starling".into());
         view.mode = Mode::Sphere;
         let command = picture(&opened("air/keratin:300/melanin"), &view);

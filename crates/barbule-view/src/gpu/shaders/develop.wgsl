@@ -29,6 +29,14 @@ fn develop_pixel(whole: Whole) -> vec4f {
     return textureLoad(develop_light, at, 0);
 }
 
+// A linear colour of the screen as the target takes it.
+fn develop_shown(shown: vec3f) -> vec4f {
+    if develop.how.z > 0.5 {
+        return vec4f(shown, 1.0);
+    }
+    return vec4f(tone_encoded(shown), 1.0);
+}
+
 // A frame as it is, to be mixed into the mean.
 @fragment
 fn fs_gather(whole: Whole) -> @location(0) vec4f {
@@ -38,11 +46,11 @@ fn fs_gather(whole: Whole) -> @location(0) vec4f {
 @fragment
 fn fs_develop(whole: Whole) -> @location(0) vec4f {
     let light = develop_pixel(whole);
+    if light.w == 0.0 {
+        return develop_shown(develop.behind.xyz);
+    }
     // As the renderer develops: what is behind is on the screen as it is.
     let front = tone_shown(light.xyz / max(light.w, 1e-4) * develop.how.x, develop.how.y > 0.5);
     let shown = mix(develop.behind.xyz, front, light.w);
-    if develop.how.z > 0.5 {
-        return vec4f(shown, 1.0);
-    }
-    return vec4f(tone_encoded(shown), 1.0);
+    return develop_shown(shown);
 }
