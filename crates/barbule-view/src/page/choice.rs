@@ -103,9 +103,9 @@ impl Choice {
     #[must_use]
     pub fn stops(self) -> f64 {
         match self {
-            Self::Bird(_) => 0.5,
-            Self::Film => 1.5,
-            Self::Ridges => 0.5,
+            Self::Bird(_) => 1.3,
+            Self::Film => 1.8,
+            Self::Ridges => 0.8,
         }
     }
 }
