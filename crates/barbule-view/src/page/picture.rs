@@ -248,8 +248,8 @@ fn draw_dome(ui: &Ui, dome: Rect, lamp: DVec3) {
         let out = vec2(cos, sin);
         painter.line_segment([at + 8.0 * out, at + 11.0 * out], Stroke::new(1.5, sun));
     }
-    let above = middle - vec2(0.0, radius + 4.0);
-    painter.text(above, Align2::CENTER_BOTTOM, "lamp", FontId::proportional(11.0), Color32::from_gray(170));
+    let below = middle + vec2(0.0, radius - 4.0);
+    painter.text(below, Align2::CENTER_BOTTOM, "lamp", FontId::proportional(11.0), Color32::from_gray(190));
 }
 
 #[cfg(test)]
