@@ -125,6 +125,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         }
         ("fit-structure", "model") => files(Names::Species, &["toml"]),
         ("fit-structure", "output") => files(Names::None, &["toml"]),
+        ("view", "words") => files(Names::Presets, &["barbule", "grating", "toml", "json"]),
         (_, "picture") => files(Names::None, FIGURES),
         (_, "csv" | "summary") => files(Names::None, &["csv"]),
         _ => None,

@@ -89,7 +89,8 @@ fn meshes() {
         let state = State::open(name, &Opening::default(), &Unobserved).unwrap();
         let (of, mut window) = state.feather(&Unobserved).unwrap();
         window.radius_mm = radius_mm;
-        let request = FeatherRequest { feather: &of, window, seed: 1, most_triangles: MOST_TRIANGLES };
+        let request =
+            FeatherRequest { feather: &of, window, zones: None, seed: 1, most_triangles: MOST_TRIANGLES };
         let grown = || feather(&request, &Unobserved).unwrap();
         let (shape, detail) = grown();
         println!(

@@ -23,13 +23,13 @@ const FRAMES: u32 = 60;
 
 const EXAMPLES: &str = "\
 Examples:
-  barbule-view                                          what was open last, or a starling
-  barbule-view starling:green                           a species and its variant
-  barbule-view 'air/6*(melanin:99/keratin:100)/keratin' a stack, thicknesses in nm
+  barbule-view                                             what was open last, or a starling
+  barbule-view starling:green                              a species and its variant
+  barbule-view 'air/6*(melanin:99/keratin:100)/keratin'    a stack, thicknesses in nm
   barbule-view magpie --mode sphere --eye bird:starling --light 300,40
   barbule-view xenopeltis --mode snake --screenshot snake.png --size 640x480
   barbule-view starling --screenshot feather.png --camera 180,60,1.6 --mean
-  barbule-view starling --bench --frames 100            frames a second, without a window";
+  barbule-view starling --bench --frames 100               frames a second, without a window";
 
 /// Looks at a feather's structure, its colours and its glints, in real time.
 #[derive(Debug, Clone, Parser)]

@@ -97,12 +97,29 @@ fn window(arguments: &Arguments, start: Start) -> Result<()> {
         eframe::Error::AppCreation(error) => Error::machine(error.to_string()),
         error => Error::input(format!(
             "no window can be opened ({}); --screenshot FILE draws a picture without one",
-            error.to_string().trim_end_matches(['.', '\n'])
+            reason(&error.to_string())
         )),
     })
+}
+
+/// Why there is no window, without the place in a library's source that stands before it.
+fn reason(words: &str) -> &str {
+    words.rsplit(": ").next().unwrap_or(words).trim_end_matches(['.', '\n'])
 }
 
 fn adapter(state: &egui_wgpu::RenderState) -> Adapter {
     let gpu = Gpu::of(state.device.clone(), state.queue.clone(), state.adapter.get_info());
     Adapter { gpu, format: state.target_format }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_name_no_source() {
+        let words = "os error at /src/x11.rs:27: neither WAYLAND_DISPLAY nor DISPLAY is set.";
+        assert_eq!(reason(words), "neither WAYLAND_DISPLAY nor DISPLAY is set");
+        assert_eq!(reason("no adapter"), "no adapter");
+    }
 }

@@ -29,6 +29,7 @@ mod species;
 mod spectrum;
 mod trace;
 mod validate;
+mod view;
 
 /// A command with its arguments.
 #[derive(Debug, Subcommand)]
@@ -77,6 +78,8 @@ pub(crate) enum Command {
     Keys(keys::Args),
     /// Render a picture of a feather
     Render(render::Args),
+    /// Open the viewer: structures, materials and feathers in a window
+    View(view::Args),
     /// How accurate the fast simulation is: against full waves
     Validate(validate::Args),
     /// Speed in figures
@@ -108,6 +111,7 @@ impl Command {
             Self::Completions(args) => args.run(out),
             Self::Keys(args) => args.run(out),
             Self::Render(args) => args.run(out),
+            Self::View(args) => args.run(),
             Self::Validate(args) => args.run(out),
             Self::Bench(args) => args.run(out),
         }

@@ -37,3 +37,4 @@ mod species;
 mod spectrum;
 mod trace;
 mod validate;
+mod view;

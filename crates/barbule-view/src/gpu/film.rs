@@ -1,4 +1,4 @@
-//! Light in linear sRGB with four samples a pixel, and its development: `shaders/develop.wgsl`.
+//! Light in linear sRGB, and its development: `shaders/develop.wgsl`.
 
 use barbule_appearance::scene::description::ToneWord;
 use bytemuck::{Pod, Zeroable};
@@ -9,17 +9,22 @@ use super::offscreen::read_texture;
 use super::shaders::{DEVELOP, TONE};
 use crate::{Error, Result};
 
-/// Samples of a pixel.
-pub(super) const SAMPLES: u32 = 4;
+/// Samples of a pixel: of a graphics card, and of a processor, whose pictures are smooth only once they rest.
+const SAMPLES: [u32; 2] = [4, 1];
 /// What light is kept as: half precision, premultiplied by how much of the pixel is covered.
 pub(super) const LIGHT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// What depths are kept as.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth24Plus;
 
+/// Samples of a pixel on an adapter.
+pub(super) fn samples(gpu: &Gpu) -> u32 {
+    SAMPLES[usize::from(gpu.is_software())]
+}
+
 /// A picture before its development.
 #[derive(Debug, Clone)]
 pub struct Film {
-    samples: wgpu::TextureView,
+    samples: Option<wgpu::TextureView>,
     light: wgpu::TextureView,
     resolved: wgpu::Texture,
     mean: wgpu::TextureView,
@@ -54,13 +59,14 @@ impl Film {
             };
             let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
             let (none, read) = (wgpu::TextureUsages::empty(), wgpu::TextureUsages::TEXTURE_BINDING);
+            let count = samples(gpu);
             let resolved = texture("light", LIGHT, 1, read | wgpu::TextureUsages::COPY_SRC);
             Self {
-                samples: view(&texture("samples", LIGHT, SAMPLES, none)),
+                samples: (count > 1).then(|| view(&texture("samples", LIGHT, count, none))),
                 light: view(&resolved),
                 resolved,
                 mean: view(&texture("mean", LIGHT, 1, read)),
-                depth: view(&texture("depth", DEPTH, SAMPLES, none)),
+                depth: view(&texture("depth", DEPTH, count, none)),
                 size: [width, height],
             }
         })
@@ -85,12 +91,12 @@ impl Film {
     /// A pass over the film, which is empty before it.
     pub(super) fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
         let colour = wgpu::RenderPassColorAttachment {
-            view: &self.samples,
+            view: self.samples.as_ref().unwrap_or(&self.light),
             depth_slice: None,
-            resolve_target: Some(&self.light),
+            resolve_target: self.samples.as_ref().map(|_| &self.light),
             ops: wgpu::Operations {
                 load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                store: wgpu::StoreOp::Discard,
+                store: if self.samples.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store },
             },
         };
         let depth = wgpu::RenderPassDepthStencilAttachment {

@@ -12,8 +12,8 @@ use crate::{Error, Result};
 /// Steps of the cosine in tables of the albedo.
 const ALBEDO_STEPS: usize = 32;
 /// Facets that are summed for it: rings, and facets of a ring.
-const RINGS: usize = 12;
-const FACETS: usize = 24;
+const RINGS: usize = 20;
+const FACETS: usize = 40;
 /// The least cosine for which anything is asked: films have no answer at 90°.
 const LEAST_COSINE: f64 = 1e-3;
 
@@ -182,13 +182,14 @@ mod tests {
         Reflected { nm: vec![500.0, 600.0], steps, values: vec![1.0; 2 * (steps + 1)] }
     }
 
-    /// What single scattering by perfect mirrors keeps: nearly all on smooth surfaces; for α = 0.5 at the normal it is known from Heitz
-    /// et al. (2016) to lose a few percent.
+    /// What single scattering by perfect mirrors keeps: nearly all on smooth surfaces. Of the facets that are seen along the normal the
+    /// share α²/(1 + α²) is steeper than 45° and sends light downwards; some of the rest is hidden.
     #[test]
     fn mirrors_lose_only_what_they_hide() {
         let of = |cosine: f64, alpha: f64| f64::from(albedo(&white(8), cosine, alpha)[0]);
         assert!((of(1.0, 0.02) - 1.0).abs() < 1e-3 && (of(0.5, 0.02) - 1.0).abs() < 2e-3);
-        assert!((0.9..1.0).contains(&of(1.0, 0.5)));
+        let upwards = 1.0 - 0.25 / 1.25;
+        assert!((0.8 * upwards..upwards).contains(&of(1.0, 0.5)), "{}", of(1.0, 0.5));
         assert!(of(0.2, 0.5) < 1.0);
     }
 
@@ -218,7 +219,7 @@ mod tests {
             let f = share * d / (4.0 * cosine * z * (1.0 + hidden(cosine) + hidden(z)));
             sum += f * z * TAU / (polar * around) as f64;
         }
-        assert!((found / sum - 1.0).abs() < 5e-3, "{found} {sum}");
+        assert!((found / sum - 1.0).abs() < 3e-3, "{found} {sum}");
     }
 
     #[test]

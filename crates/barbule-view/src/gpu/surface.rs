@@ -9,7 +9,7 @@ use glam::{Mat4, Vec3};
 
 use super::colour::{Sight, WavesOnGpu};
 use super::device::{Gpu, UNIFORM};
-use super::film::{DEPTH, Film, LIGHT, SAMPLES};
+use super::film::{DEPTH, Film, LIGHT, samples};
 use super::grating::Grating;
 use super::layers::Layers;
 use super::shaders::{
@@ -274,8 +274,12 @@ pub struct Surfaces {
     grating: wgpu::RenderPipeline,
     layers: wgpu::RenderPipeline,
     keratin: wgpu::RenderPipeline,
+    /// Depths alone, so that nothing is shaded that is hidden.
+    depth: wgpu::RenderPipeline,
     view: wgpu::Buffer,
     group: wgpu::BindGroup,
+    /// Groups 0 and 1 of what has no material: drivers are not trusted with holes.
+    nothing: wgpu::BindGroup,
 }
 
 impl Surfaces {
@@ -287,7 +291,7 @@ impl Surfaces {
         let layout = gpu.layout_for("view", wgpu::ShaderStages::VERTEX_FRAGMENT, &[UNIFORM]);
         let of = |material: Option<&wgpu::BindGroupLayout>, own: &[&str]| {
             let source = [own, &[KERATIN, SURFACE]].concat().concat();
-            gpu.checked("the shader of surfaces", || pipeline(gpu, material, &layout, source))
+            gpu.checked("the shader of surfaces", || pipeline(gpu, material, &layout, Pass::Light, source))
         };
         let of_material = |material: &wgpu::BindGroupLayout, [first, last]: [&str; 2]| {
             of(Some(material), &[WAVES, first, last])
@@ -296,9 +300,13 @@ impl Surfaces {
         let grating = of_material(&Grating::layout(gpu), [GRATING, SURFACE_GRATING])?;
         let layers = of_material(&Layers::layout(gpu), [LAYERS, SURFACE_LAYERS])?;
         let keratin = of(None, &[SURFACE_KERATIN])?;
+        let source = [KERATIN, SURFACE, SURFACE_KERATIN].concat();
+        let depth =
+            gpu.checked("the shader of depths", || pipeline(gpu, None, &layout, Pass::Depth, source))?;
         let view = gpu.uniform("view", bytemuck::bytes_of(&ViewUniform::zeroed()));
         let group = gpu.bound("view", &layout, &[view.as_entire_binding()]);
-        Ok(Self { feather, grating, layers, keratin, view, group })
+        let nothing = gpu.bound("nothing", &gpu.layout("nothing", &[]), &[]);
+        Ok(Self { feather, grating, layers, keratin, depth, view, group, nothing })
     }
 
     /// Another view, from the next frame on.
@@ -317,6 +325,14 @@ impl Surfaces {
         let mut pass = film.begin(encoder);
         pass.set_vertex_buffer(0, mesh.corners.slice(..));
         pass.set_index_buffer(mesh.triangles.slice(..), wgpu::IndexFormat::Uint32);
+        if let Some((code, _)) = mesh.parts.first() {
+            let (_, dress) = wear(*code);
+            pass.set_pipeline(&self.depth);
+            for (number, group) in (0..).zip([&self.nothing, &self.nothing, &self.group, &dress.group]) {
+                pass.set_bind_group(number, group, &[]);
+            }
+            pass.draw_indexed(0..mesh.parts.iter().map(|(_, range)| range.end).max().unwrap_or(0), 0, 0..1);
+        }
         for (code, range) in &mesh.parts {
             let (coat, dress) = wear(*code);
             let (pipeline, material) = match coat {
@@ -326,32 +342,44 @@ impl Surfaces {
                 Coat::Keratin => (&self.keratin, None),
             };
             pass.set_pipeline(pipeline);
-            if let Some((material, waves)) = material {
-                pass.set_bind_group(0, waves.group(), &[]);
-                pass.set_bind_group(1, material, &[]);
+            let [waves, material] =
+                material.map_or([&self.nothing; 2], |(material, waves)| [waves.group(), material]);
+            for (number, group) in (0..).zip([waves, material, &self.group, &dress.group]) {
+                pass.set_bind_group(number, group, &[]);
             }
-            pass.set_bind_group(2, &self.group, &[]);
-            pass.set_bind_group(3, &dress.group, &[]);
             pass.draw_indexed(range.clone(), 0, 0..1);
         }
     }
+}
+
+/// What a pass over a mesh is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pass {
+    /// How near it is.
+    Depth,
+    /// The light from what is nearest.
+    Light,
 }
 
 fn pipeline(
     gpu: &Gpu,
     material: Option<&wgpu::BindGroupLayout>,
     view: &wgpu::BindGroupLayout,
+    what: Pass,
     source: String,
 ) -> wgpu::RenderPipeline {
-    let device = gpu.device();
+    let (device, is_depth) = (gpu.device(), what == Pass::Depth);
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("surfaces"),
         source: wgpu::ShaderSource::Wgsl(source.into()),
     });
     let (waves, dress) = (WavesOnGpu::layout(gpu), Dress::layout(gpu));
+    let none = gpu.layout("nothing", &[]);
+    let all =
+        [Some(material.map_or(&none, |_| &waves)), Some(material.unwrap_or(&none)), Some(view), Some(&dress)];
     let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("surfaces"),
-        bind_group_layouts: &[material.map(|_| &waves), material, Some(view), Some(&dress)],
+        bind_group_layouts: &all,
         immediate_size: 0,
     });
     let corners = wgpu::VertexBufferLayout {
@@ -370,20 +398,27 @@ fn pipeline(
         },
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("fs_surface"),
+            entry_point: Some(if is_depth { "fs_depth" } else { "fs_surface" }),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            targets: &[Some(LIGHT.into())],
+            targets: &[Some(wgpu::ColorTargetState {
+                write_mask: if is_depth { wgpu::ColorWrites::empty() } else { wgpu::ColorWrites::ALL },
+                ..LIGHT.into()
+            })],
         }),
         // Both sides are seen.
         primitive: wgpu::PrimitiveState { cull_mode: None, ..wgpu::PrimitiveState::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
-            depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Less),
+            depth_write_enabled: Some(is_depth),
+            depth_compare: Some(if is_depth {
+                wgpu::CompareFunction::Less
+            } else {
+                wgpu::CompareFunction::Equal
+            }),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),
         }),
-        multisample: wgpu::MultisampleState { count: SAMPLES, ..wgpu::MultisampleState::default() },
+        multisample: wgpu::MultisampleState { count: samples(gpu), ..wgpu::MultisampleState::default() },
         multiview_mask: None,
         cache: None,
     })

@@ -219,13 +219,8 @@ mod tests {
         let (row, column) = (10, 7);
         let there = direction_at([2.0 * 7.5 / 20.0 - 1.0, 1.0 - 2.0 * 10.5 / 20.0]).unwrap();
         let seen = Observer::default().linear_rgb(&lobe_spectrum(&brdf, [wi, there], None, &at).unwrap());
-        for channel in 0..3 {
-            let found = f64::from(lobe.rgb[3 * (row * 20 + column) + channel]);
-            assert!(
-                (found - seen[channel]).abs() < 1e-5 * (1.0 + seen[channel].abs()),
-                "{found} {}",
-                seen[channel]
-            );
+        for (found, seen) in lobe.rgb[3 * (row * 20 + column)..].iter().zip(seen) {
+            assert!((f64::from(*found) - seen).abs() < 1e-5 * (1.0 + seen.abs()), "{found} {seen}");
         }
         assert!(lobe.peak > 0.0 && lobe.rgb.iter().all(|value| *value <= lobe.peak));
     }

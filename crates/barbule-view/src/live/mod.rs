@@ -11,12 +11,14 @@ mod hemisphere;
 mod individual;
 mod material;
 mod mean;
+mod media;
 mod raster;
 mod show;
 mod sight;
 mod strips;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod trace;
+mod window;
 #[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
@@ -34,10 +36,12 @@ pub use hemisphere::{
 pub use individual::{Individual, IndividualJob, Lobe, individual};
 pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
-pub use raster::{Entry, Hatch, Legend, Raster, Window, extent, first_window, raster};
+pub use media::{Entry, Hatch, Legend};
+pub use raster::{Raster, raster};
 pub use show::{ShowJob, show};
 pub use sight::{Sight, Viewer};
 pub use strips::{AngleSeen, along_angles, reaches, spectral_srgb};
+pub use window::{Window, extent, first_window, near_window};
 #[cfg(not(target_arch = "wasm32"))]
 pub use worker::{Update, Worker};
 

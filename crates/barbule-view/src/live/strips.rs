@@ -1,7 +1,7 @@
 //! Strips of colour: of wavelengths, and of what is seen at each angle of incidence.
 
 use barbule::Result;
-use barbule::spectrum::colour::{display, into_gamut, matching, rgb_from_xyz};
+use barbule::spectrum::colour::{display, matching, rgb_from_xyz};
 use barbule::spectrum::look::Look;
 
 use super::sight::Sight;
@@ -14,14 +14,14 @@ const UNSEEN: f64 = 0.03;
 /// Colours darker than this are lifted by it, so that a strip fades to its ends instead of ending at once.
 const FADE: f64 = 0.35;
 
-/// The colour of a wavelength on a screen, which has none of them: moved into what screens show, and as bright as fits but for the
+/// The colour of a wavelength on a screen, which has none of them: without what it would have to take away, and as bright as fits but for the
 /// ends of what people see.
 #[must_use]
 pub fn spectral_srgb(nm: f64) -> [u8; 3] {
     if !(SEEN_NM[0]..=SEEN_NM[1]).contains(&nm) {
         return display([UNSEEN; 3]);
     }
-    let linear = into_gamut(rgb_from_xyz(matching(nm)));
+    let linear = rgb_from_xyz(matching(nm)).map(|channel| channel.max(0.0));
     let most = linear.into_iter().fold(0.0, f64::max);
     display(linear.map(|channel| UNSEEN + (1.0 - UNSEEN) * channel / most.max(FADE)))
 }
@@ -91,7 +91,7 @@ mod tests {
     #[test]
     fn wavelengths_have_their_colours_and_fade_at_the_ends() {
         let [violet, green, red] = [440.0, 530.0, 640.0].map(spectral_srgb);
-        assert!(violet[2] > violet[1] && violet[2] > 200, "{violet:?}");
+        assert!(violet[2] > violet[0].max(violet[1]) && violet[2] > 150, "{violet:?}");
         assert!(green[1] > green[0].max(green[2]) && green[1] > 200, "{green:?}");
         assert!(red[0] > red[1].max(red[2]) && red[0] > 200, "{red:?}");
         assert!(spectral_srgb(745.0)[0] < 90 && spectral_srgb(320.0) == spectral_srgb(800.0));

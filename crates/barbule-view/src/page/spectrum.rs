@@ -189,7 +189,7 @@ pub(super) fn strip(ui: &mut Ui, colours: &[[f64; 3]], degrees: &[f64]) {
 
 /// What makes the brightest channel 1.
 fn brightening(colours: &[[f64; 3]]) -> f64 {
-    let most = colours.iter().map(|rgb| into_gamut(*rgb)).flatten().fold(0.0, f64::max);
+    let most = colours.iter().flat_map(|rgb| into_gamut(*rgb)).fold(0.0, f64::max);
     if most > 0.0 { 1.0 / most } else { 1.0 }
 }
 

@@ -43,7 +43,7 @@ fn of_every(mesh: &Mesh, stride: usize) -> Result<Mesh> {
     let is_new =
         |row: usize| mesh.uvs.get(row * columns).is_none_or(|uv| uv.y <= mesh.uvs[(row - 1) * columns].y);
     let rows = if columns > 1 { (1..).find(|&row| is_new(row)).unwrap_or(0) } else { 0 };
-    if rows < 2 || mesh.positions.len() % (rows * columns) != 0 {
+    if rows < 2 || !mesh.positions.len().is_multiple_of(rows * columns) {
         return Err(irregular());
     }
     let (of_columns, of_rows): (Vec<_>, Vec<_>) =

@@ -25,6 +25,8 @@ use crate::{Error, Result};
 
 /// Wavelengths of a frame where the processor draws it, and where a graphics card does.
 const WAVES: [usize; 2] = [6, MOST_WAVES];
+/// How much coarser pictures are while they move, likewise.
+const COARSE: [u32; 2] = [3, 1];
 /// Frames of a picture at rest at least: places within a pixel, and on the lamp.
 const LEAST_FRAMES: u32 = 16;
 /// Columns or rows of the meter's picture.
@@ -36,9 +38,15 @@ pub struct Stage {
     gpu: Gpu,
     surfaces: Surfaces,
     developer: Developer,
-    film: Option<(Film, LoadedFilm)>,
+    /// Of pictures at rest, and of such as move.
+    films: [Option<(Film, LoadedFilm)>; 2],
+    /// Which of them is shown.
+    shown: usize,
+    /// Pixels along and down of a picture at rest for one of a picture that moves.
+    coarse: u32,
     act: Option<Act>,
     look: Option<Look>,
+    size: [u32; 2],
     frames: u32,
     most_waves: usize,
     /// Stops that the meter says; nothing until it was asked.
@@ -97,13 +105,17 @@ impl Stage {
         let surfaces = Surfaces::new(&gpu)?;
         let developer = Developer::new(&gpu, target)?;
         let most_waves = WAVES[usize::from(!gpu.is_software())];
+        let coarse = COARSE[usize::from(!gpu.is_software())];
         Ok(Self {
             gpu,
             surfaces,
             developer,
-            film: None,
+            films: [None, None],
+            shown: 0,
+            coarse,
             act: None,
             look: None,
+            size: [0; 2],
             frames: 0,
             most_waves,
             metered: None,
@@ -119,6 +131,17 @@ impl Stage {
     /// Wavelengths of a frame at most, from 2 to [`MOST_WAVES`]: fewer, and frames are sooner there. For what is put on from then on.
     pub fn limit_waves(&mut self, most: usize) {
         self.most_waves = most.clamp(2, MOST_WAVES);
+    }
+
+    /// Pictures that move are so much coarser than at rest, 1 for not at all; a processor that draws takes 3.
+    pub fn coarsen(&mut self, by: u32) {
+        self.coarse = by.max(1);
+    }
+
+    /// How much coarser they are.
+    #[must_use]
+    pub fn coarse(&self) -> u32 {
+        self.coarse
     }
 
     /// Puts another shape and what it wears on.
@@ -152,29 +175,34 @@ impl Stage {
             self.metered = Some(self.meter(size, look)?);
         }
         let Some(act) = &self.act else { return Ok(false) };
-        let is_sized = self.film.as_ref().is_some_and(|(film, _)| film.size() == size);
-        if !is_sized {
-            let film = Film::new(&self.gpu, size)?;
-            let loaded = self.developer.load(&self.gpu, &film);
-            self.film = Some((film, loaded));
-        }
-        let Some((film, loaded)) = &self.film else { return Ok(false) };
-        self.developer.expose(&self.gpu, &look.exposure(self.metered.unwrap_or(0.0)));
-        let is_same = is_sized && self.look.as_ref().is_some_and(|last| last.is_lit_as(look));
         let most = act.turns.max(LEAST_FRAMES).next_multiple_of(act.turns);
-        if !is_same {
-            self.frames = 0;
-        } else if self.frames >= most {
+        let is_same = self.look.as_ref().is_some_and(|last| last.is_lit_as(look)) && self.size == size;
+        self.developer.expose(&self.gpu, &look.exposure(self.metered.unwrap_or(0.0)));
+        if is_same && self.frames >= most {
             return Ok(false);
         }
+        let is_coarse = !is_same && self.coarse > 1;
+        if !is_same || self.shown == 1 {
+            self.frames = 0;
+        }
+        self.shown = usize::from(is_coarse);
+        let by = if is_coarse { self.coarse } else { 1 };
+        let pixels = size.map(|side| side.div_ceil(by));
+        let place = &mut self.films[self.shown];
+        if place.as_ref().is_none_or(|(film, _)| film.size() != pixels) {
+            let film = Film::new(&self.gpu, pixels)?;
+            let loaded = self.developer.load(&self.gpu, &film);
+            *place = Some((film, loaded));
+        }
+        let Some((film, loaded)) = &self.films[self.shown] else { return Ok(false) };
         let mut encoder =
             self.gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.frame(&mut encoder, act, film, look, self.frames);
         self.developer.gather(&mut encoder, loaded, self.frames + 1);
         self.gpu.queue().submit([encoder.finish()]);
         self.frames += 1;
-        self.look = Some(look.clone());
-        Ok(self.frames < most)
+        (self.look, self.size) = (Some(look.clone()), size);
+        Ok(is_coarse || self.frames < most)
     }
 
     /// Draws one frame onto a film.
@@ -215,7 +243,7 @@ impl Stage {
 
     /// Shows the film over a pass's viewport.
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>) {
-        if let Some((_, loaded)) = &self.film {
+        if let Some((_, loaded)) = &self.films[self.shown] {
             self.developer.develop(pass, loaded);
         }
     }

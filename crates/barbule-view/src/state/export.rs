@@ -59,9 +59,7 @@ impl Export {
     pub fn of(subject: &Subject) -> Vec<Self> {
         let has = |export: &Self| match export {
             Self::Picture | Self::Scene | Self::State => true,
-            Self::Table | Self::Figure => {
-                Figure::of(subject).iter().any(|figure| *figure == Figure::Spectrum)
-            }
+            Self::Table | Self::Figure => Figure::of(subject).contains(&Figure::Spectrum),
             Self::Species => matches!(subject.what(), What::Species(_) | What::Material(_, Some(_))),
         };
         Self::ALL.into_iter().filter(has).collect()

@@ -74,11 +74,6 @@ impl<K: PartialEq> Bench<K> {
         }
     }
 
-    /// What is asked for.
-    pub(super) fn asked(&self) -> Option<&K> {
-        self.asked.as_ref()
-    }
-
     /// Whether more is to come.
     pub(super) fn is_open(&self) -> bool {
         self.is_open
@@ -141,6 +136,6 @@ mod tests {
         assert!(bench.want(Some(2), || Err(crate::Error::input("no"))).is_err());
         assert!(!bench.want(Some(2), || panic!("it was refused already")).unwrap());
         assert!(bench.want(None, || panic!("nothing is wanted")).unwrap());
-        assert!(bench.asked().is_none() && !bench.is_open() && bench.pace(1.0).is_none());
+        assert!(bench.asked.is_none() && !bench.is_open() && bench.pace(1.0).is_none());
     }
 }

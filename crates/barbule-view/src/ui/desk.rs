@@ -93,8 +93,6 @@ struct LobeOf {
 struct ShowOf {
     who: Who,
     mode: Mode,
-    shown: Shown,
-    individual: usize,
     preset: Option<String>,
     eye: Seer,
     hash: Option<String>,
@@ -127,8 +125,6 @@ pub(super) struct Desk {
     own: Benches,
     pinned: Benches,
     show: Bench<ShowOf>,
-    /// What is drawn now.
-    drawn: Option<Who>,
 }
 
 /// The workers for one thing.
@@ -160,7 +156,7 @@ impl Desk {
     /// The system gives no thread.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
         let wake: Wake = Arc::new(wake);
-        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)?, drawn: None })
+        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)? })
     }
 
     /// Asks for whatever has changed, takes what was found, and says what else is new.
@@ -182,10 +178,7 @@ impl Desk {
         }
         for update in self.show.updates() {
             match update {
-                Update::Found(Found::Show(show)) => {
-                    news.show = Some(show);
-                    self.drawn = self.show.asked().map(|of| of.who.clone());
-                }
+                Update::Found(Found::Show(show)) => news.show = Some(show),
                 Update::Failed(error) => news.errors.push(error),
                 Update::Found(_) | Update::Done => {}
             }
@@ -195,27 +188,22 @@ impl Desk {
 
     fn ask_show(&mut self, state: &State, of: &Of) -> Result<()> {
         let (subject, view) = (state.subject(), state.view());
-        let needs_material = matches!(
-            subject.what(),
-            What::Species(_) | What::Material(..) | What::Lattice(..) | What::Sections(_)
-        ) || (matches!(subject.what(), What::Stack(_)) && subject.stack().is_none());
-        let is_traced = view.mode == Mode::Scene;
-        // What was drawn stays until there is a material of what is open now.
+        // Whether there is a material is known in a moment; until then what was drawn stays.
         let is_looked_for = self.own.material.is_open() && !self.own.material.has_found();
-        if is_traced || (needs_material && (of.material.is_none() || is_looked_for)) {
+        if view.mode == Mode::Scene || is_looked_for {
             return Ok(());
         }
-        let hash = of.material.as_ref().filter(|_| needs_material).map(|found| found.found.hash.clone());
+        // Flat layers are drawn as what they are, whatever material was made of them.
+        let material = of.material.as_ref().filter(|_| subject.stack().is_none());
+        let hash = material.map(|found| found.found.hash.clone());
         let key = ShowOf {
             who: Who::of(subject),
             mode: view.mode,
-            shown: view.shown,
-            individual: view.individual,
             preset: view.preset.clone(),
             eye: view.eye.clone(),
             hash,
         };
-        let job = || Ok(Some(Job::Show(Box::new(ShowJob::of(state, of.material.as_ref())?))));
+        let job = || Ok(Some(Job::Show(Box::new(ShowJob::of(state, material)?))));
         self.show.want(Some(key), job).map(|_| ())
     }
 
@@ -248,10 +236,10 @@ impl Desk {
         self.own.is_busy() || self.pinned.is_busy() || self.show.is_open()
     }
 
-    /// Whether the picture shows what is open as it is now, rather than as it was before.
+    /// Whether a material of what is open is looked for or made.
     #[must_use]
-    pub(super) fn is_drawn(&self, subject: &Subject) -> bool {
-        self.drawn.as_ref() == Some(&Who::of(subject))
+    pub(super) fn is_making_material(&self) -> bool {
+        self.own.material.is_open()
     }
 
     /// What takes longest of what is computed; `now` is the window's clock, s.

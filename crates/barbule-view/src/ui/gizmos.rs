@@ -26,7 +26,7 @@ const MARGIN: f32 = 12.0;
 /// Pictures smaller than this have the scale bar alone, points.
 const LEAST: Vec2 = vec2(280.0, 170.0);
 /// Degrees that a camera turns for a point of the screen.
-pub(super) const DEG_PER_POINT: f64 = 0.4;
+pub(super) const DEG_PER_POINT: f64 = 0.45;
 /// The angular radii that lamps may have, degrees, and how fast the wheel changes them, per point.
 const RADIUS_DEG: [f64; 2] = [0.1, 60.0];
 const RADIUS_PER_POINT: f64 = 0.004;
@@ -47,7 +47,7 @@ const AXIS: [(&str, DVec3, Color32); 3] = [
 
 /// Where a lamp in this direction is drawn: to the right and upwards, in radii of the ball. `direction`: a unit vector towards it.
 #[must_use]
-pub fn dome_place(direction: DVec3, frame: &Frame) -> [f64; 2] {
+pub(super) fn dome_place(direction: DVec3, frame: &Frame) -> [f64; 2] {
     let [x, y, z] = [frame.right, frame.up, frame.towards].map(|axis| direction.dot(axis));
     let sine = x.hypot(y);
     let radius = if z >= 0.0 { sine } else { 1.0 + COLLAR * (1.0 - sine) };
@@ -56,7 +56,7 @@ pub fn dome_place(direction: DVec3, frame: &Frame) -> [f64; 2] {
 
 /// The unit vector towards a lamp that is drawn there; beyond the collar, as at its edge.
 #[must_use]
-pub fn dome_direction([x, y]: [f64; 2], frame: &Frame) -> DVec3 {
+pub(super) fn dome_direction([x, y]: [f64; 2], frame: &Frame) -> DVec3 {
     let radius = x.hypot(y);
     let (sine, side) =
         if radius <= 1.0 { (radius, 1.0) } else { ((1.0 - (radius - 1.0) / COLLAR).max(0.0), -1.0) };
@@ -67,7 +67,7 @@ pub fn dome_direction([x, y]: [f64; 2], frame: &Frame) -> DVec3 {
 
 /// Azimuth and elevation of a direction, degrees; at the zenith and the nadir the azimuth is `otherwise`.
 #[must_use]
-pub fn bearing_of(direction: DVec3, otherwise: f64) -> [f64; 2] {
+pub(super) fn bearing_of(direction: DVec3, otherwise: f64) -> [f64; 2] {
     let elevation = direction.z.clamp(-1.0, 1.0).asin().to_degrees();
     let azimuth = if direction.x.hypot(direction.y) < AT_ZENITH {
         otherwise
@@ -79,7 +79,7 @@ pub fn bearing_of(direction: DVec3, otherwise: f64) -> [f64; 2] {
 
 /// The longest of 1, 2 or 5 times a power of ten that is no longer, mm.
 #[must_use]
-pub fn round_length(most_mm: f64) -> f64 {
+pub(super) fn round_length(most_mm: f64) -> f64 {
     let power = 10.0_f64.powf(most_mm.log10().floor());
     let times = [5.0, 2.0, 1.0].into_iter().find(|times| times * power <= most_mm * (1.0 + 1e-9));
     times.unwrap_or(1.0) * power
@@ -87,7 +87,7 @@ pub fn round_length(most_mm: f64) -> f64 {
 
 /// A length in the unit that has no zeros in front.
 #[must_use]
-pub fn length_words(mm: f64) -> String {
+pub(super) fn length_words(mm: f64) -> String {
     let shown = |value: f64| {
         let text = format!("{value:.3}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -97,7 +97,7 @@ pub fn length_words(mm: f64) -> String {
 
 /// The axes of the picture, and its width at the target, mm: in scenes those of the renderer's camera, which may have its own upward direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub(super) struct Seen {
     /// Its axes.
     pub frame: Frame,
     /// Its width, mm.
@@ -113,14 +113,14 @@ struct Known {
 
 /// From where the picture is seen.
 #[must_use]
-pub fn seen(ui: &Ui, state: &State) -> Seen {
+pub(super) fn seen(ui: &Ui, state: &State) -> Seen {
     let view = state.view();
     let own = Seen { frame: view.camera.frame(), width_mm: view.camera.width_mm };
     if view.mode != Mode::Scene {
         return own;
     }
     let (id, of) = (
-        Id::new("the scene's camera"),
+        Id::unique("the scene's camera"),
         (state.subject().text().to_owned(), view.preset.clone(), view.camera),
     );
     if let Some(known) = ui.data(|data| data.get_temp::<Known>(id)).filter(|known| known.of == of) {
@@ -139,7 +139,7 @@ pub fn seen(ui: &Ui, state: &State) -> Seen {
 
 /// Draws lamp, axes and scale bar over the picture in `rect`, whose whole width is that of the camera's picture, and takes what is done to them.
 /// Called after the picture's own interaction, so that these lie over it. Whether they have the pointer.
-pub fn gizmos(ui: &Ui, rect: Rect, state: &State, actions: &mut Vec<Action>) -> bool {
+pub(super) fn gizmos(ui: &Ui, rect: Rect, state: &State, actions: &mut Vec<Action>) -> bool {
     let seen = seen(ui, state);
     scale_bar(ui, rect, seen.width_mm);
     if rect.width() < LEAST.x || rect.height() < LEAST.y {
@@ -155,7 +155,7 @@ fn lamp(ui: &Ui, rect: Rect, frame: &Frame, light: Light, actions: &mut Vec<Acti
     let reach = BALL * (1.0 + COLLAR as f32) + 6.0;
     let middle = rect.left_bottom() + vec2(MARGIN + reach, -MARGIN - reach);
     let area = Rect::from_center_size(middle, Vec2::splat(2.0 * reach));
-    let response = ui.interact(area, ui.id().with("lamp"), Sense::drag());
+    let response = ui.interact(area, ui.scope_id().with("lamp"), Sense::drag());
     let words = format!(
         "lamp: azimuth {:.0}°, elevation {:.0}°, radius {:.1}°",
         light.azimuth_deg, light.elevation_deg, light.radius_deg
@@ -257,7 +257,7 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
     let reach = AXES + END;
     let middle = rect.right_bottom() - Vec2::splat(MARGIN + reach);
     let area = Rect::from_center_size(middle, Vec2::splat(2.0 * reach));
-    let response = ui.interact(area, ui.id().with("axes"), Sense::click_and_drag());
+    let response = ui.interact(area, ui.scope_id().with("axes"), Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, "axes"));
     let ends = ends(middle, frame);
     let touched = response.hover_pos().or(response.interact_pointer_pos()).and_then(|pointer| {
@@ -280,8 +280,10 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
         actions.push(Action::Settle);
     }
     ui.painter().circle_filled(middle, reach, BEHIND);
-    for end in &ends {
-        draw_end(ui, middle, end, touched.is_some_and(|touched| std::ptr::eq(touched, end)));
+    for (index, end) in ends.iter().enumerate() {
+        let is_touched = touched.is_some_and(|touched| std::ptr::eq(touched, end));
+        let is_crowded = ends[index + 1..].iter().any(|near| near.is_named && near.at.distance(end.at) < END);
+        draw_end(ui, middle, end, is_touched, is_crowded);
     }
     let words = format!(
         "camera: azimuth {:.0}°, elevation {:.0}°\ndrag turns it; a click on an end looks from there",
@@ -290,7 +292,8 @@ fn axes(ui: &Ui, rect: Rect, frame: &Frame, camera: Camera, actions: &mut Vec<Ac
     response.on_hover_cursor(CursorIcon::Grab).on_hover_text(words)
 }
 
-fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool) {
+/// Draws an end of an axis; its name goes below where a nearer one has its own above.
+fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool, is_crowded: bool) {
     let (name, _, colour) = AXIS[end.axis];
     let painter = ui.painter();
     let colour = if end.near < -0.05 { colour.gamma_multiply(0.55) } else { colour };
@@ -298,13 +301,9 @@ fn draw_end(ui: &Ui, middle: Pos2, end: &End, is_touched: bool) {
     if end.is_named {
         painter.line_segment([middle, end.at], line);
         painter.circle_filled(end.at, 4.0, colour);
-        painter.text(
-            end.at + vec2(0.0, -6.0),
-            Align2::CENTER_BOTTOM,
-            name,
-            FontId::proportional(12.0),
-            if is_touched { Color32::WHITE } else { colour },
-        );
+        let (away, side) = if is_crowded { (6.0, Align2::CENTER_TOP) } else { (-6.0, Align2::CENTER_BOTTOM) };
+        let colour = if is_touched { Color32::WHITE } else { colour };
+        painter.text(end.at + vec2(0.0, away), side, name, FontId::proportional(12.0), colour);
     } else {
         painter.extend(Shape::dashed_line(&[middle, end.at], Stroke::new(1.0, colour), 3.0, 3.0));
         painter.circle_stroke(end.at, 4.0, line);

@@ -148,10 +148,10 @@ impl App {
         &self.results
     }
 
-    /// Whether something is computed.
+    /// Whether something is computed, samples of the traced picture among it.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        self.desk.is_busy()
+        self.desk.is_busy() || self.traced.is_busy()
     }
 
     /// What the window says at its bottom.
@@ -262,6 +262,8 @@ impl App {
             traced::traced(ui, &self.state, &mut self.traced, actions);
             return;
         }
+        // Nobody sees its samples here.
+        self.traced.stop();
         picture::picture(ui, &self.state, &self.stage, &mut self.picture, actions);
         let Some(rect) = self.picture.rect else { return };
         if self.stage.is_ok() {
@@ -273,19 +275,11 @@ impl App {
     /// What the picture lacks, said on it.
     fn remark(&self, ui: &mut Ui, rect: egui::Rect, actions: &mut Vec<Action>) {
         let subject = self.state.subject();
-        if self.desk.is_drawn(subject) || self.desk.is_busy() || self.results.own.material.is_some() {
+        let is_whole = self.results.own.material.is_some() || subject.stack().is_some();
+        if is_whole || self.desk.is_making_material() || !matches!(subject.structure(), Ok(Some(_))) {
             return;
         }
-        let is_made = !matches!(subject.structure(), Ok(Some(_))) || subject.stack().is_some();
-        if is_made {
-            return;
-        }
-        let is_set = self.stage.as_ref().is_ok_and(picture::Shared::is_set);
-        let words = if is_set {
-            "The picture shows what was there before: of these sizes there is no material yet."
-        } else {
-            "There is no material of it yet to be drawn."
-        };
+        let words = "Drawn as layers of its mean reflectance: of these sizes there is no material yet, so neither glints nor where its light goes are known.";
         let place = egui::Rect::from_min_max(rect.left_top() + egui::vec2(12.0, 12.0), rect.right_bottom());
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
             Frame::popup(ui.style()).show(ui, |ui| {
@@ -407,6 +401,7 @@ impl App {
             Action::MakeMaterial { whole } => self.desk.make_material(&self.state, whole),
             Action::Stop => {
                 self.desk.stop();
+                self.traced.pause();
                 Ok(())
             }
         }
@@ -518,3 +513,6 @@ pub type Farewell = Arc<Mutex<Option<Error>>>;
 pub fn said(farewell: &Farewell) -> Option<Error> {
     farewell.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,9 +2,19 @@
 //!
 //! What is to be traced follows from the state alone: whenever that changes the tracer is asked anew, and it decides what it keeps. From a
 //! whole bird to its barbules one zooms by the wheel, by a slider, or in a flight. Most scenes are as fine as their pictures' widths ask for,
-//! so that feathers are grown anew on the way. A scene of which every barbule stands, as `starling-bird` with
-//! `[detail] level = "barbules"` and `[coat] variants = 2`, goes all the way without a break, and takes some 4.2 GB; a check box does that
-//! to any scene with feathers, with the memory that it takes beside it.
+//! so that feathers are grown anew on the way. A scene of which every barbule stands goes all the way without a break; a check box
+//! makes that of any scene with feathers, as `[detail] level = "barbules"` and `[coat] variants = 2` do in its file. The memory that it takes is
+//! foretold beside it:
+//!
+//! | preset | GB |
+//! | --- | --- |
+//! | `starling-bird`, which a flight knows its way in | 4.2 |
+//! | `dove-bird` | 9.2 |
+//! | `mallard-head` | 2.7 |
+//! | `hummingbird-gorget` | 1.7 |
+//! | `magpie-tail` | 0.8 |
+//! | `peacock` | 6.2 |
+//! | whole feathers, from `starling-feather` to `magpie-feather` | 0.4 to 4.2 |
 
 mod controls;
 mod flight;
@@ -18,8 +28,8 @@ use barbule::spectrum::sensor::Sensor;
 use barbule::vision::{FalseColour, false_colour};
 use barbule::{DVec3, Result, Unobserved};
 use eframe::egui::{
-    Color32, ColorImage, Context, CursorIcon, PointerButton, Pos2, Rect, Response, Role, Sense,
-    TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, ColorImage, Context, CursorIcon, Frame, Margin, PointerButton, Pos2, Rect, Response, Role,
+    Sense, TextureHandle, TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use super::Action;
@@ -36,7 +46,7 @@ const VARIANTS: usize = 2;
 /// A hand that has not moved for so long, s, has let go of the wheel.
 const STILL: f64 = 0.25;
 /// By how much the wheel zooms, per point.
-const ZOOM_PER_POINT: f64 = 0.002;
+const ZOOM_PER_POINT: f64 = 0.0037;
 
 /// What people choose about the picture.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +82,7 @@ type OfMemory = (String, Option<String>);
 
 /// What the traced picture remembers between the window's frames.
 #[derive(Default)]
-pub struct Traced {
+pub(super) struct Traced {
     tracer: Option<Tracer>,
     asked: Option<Asked>,
     picture: Option<Arc<TracedPicture>>,
@@ -93,20 +103,27 @@ pub struct Traced {
 impl Traced {
     /// The newest picture: its size in pixels, and RGBA with 8 bits each, row by row.
     #[must_use]
-    pub fn picture(&self) -> Option<([u32; 2], &[u8])> {
+    pub(super) fn picture(&self) -> Option<([u32; 2], &[u8])> {
         self.picture.as_ref().map(|picture| (picture.size, &picture.rgba[..]))
     }
 
     /// Whether samples are on their way.
     #[must_use]
-    pub fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         self.tracer.as_ref().is_some_and(Tracer::is_busy)
     }
 
-    /// Stops and forgets what is traced, as when another mode is chosen; what stands in the scene is kept.
-    pub fn stop(&mut self) {
-        self.tracer.iter().for_each(Tracer::stop);
-        (self.asked, self.flight) = (None, None);
+    /// Stops and forgets what is traced, as while another mode is shown; what stands in the scene is kept.
+    pub(super) fn stop(&mut self) {
+        if self.asked.take().is_some() {
+            self.tracer.iter().for_each(Tracer::stop);
+        }
+        self.flight = None;
+    }
+
+    /// Lets the samples rest until somebody goes on.
+    pub(super) fn pause(&self) {
+        self.tracer.iter().for_each(|tracer| tracer.pause(true));
     }
 
     /// Fetches what the tracer tells.
@@ -182,8 +199,8 @@ impl Traced {
         bytes
     }
 
-    /// Whether a hand or a flight moves the view.
-    fn is_moving(&mut self, ui: &Ui, view: &View) -> bool {
+    /// Whether a hand or a flight moves the view; what a wheel did is one change once it rests.
+    fn is_moving(&mut self, ui: &Ui, view: &View, actions: &mut Vec<Action>) -> bool {
         let now = ui.input(|input| input.time);
         let before = self.asked.as_ref().map(|asked| (asked.view.camera, asked.view.light));
         if before.is_some_and(|before| before != (view.camera, view.light)) {
@@ -194,15 +211,15 @@ impl Traced {
         if is_recent {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(STILL));
         }
-        if !is_held && !is_recent {
-            self.moved_at = None;
+        if !is_held && !is_recent && self.moved_at.take().is_some() {
+            actions.push(Action::Settle);
         }
         self.flight.is_some() || is_held || is_recent
     }
 }
 
 /// Every barbule of the first feathers of a scene stands, of a coat in few variants. Whether it has feathers.
-pub fn every_barbule(scene: &mut SceneDescription) -> bool {
+pub(super) fn every_barbule(scene: &mut SceneDescription) -> bool {
     let Some(detail) = scene.detail_mut() else { return false };
     detail.level = DetailLevel::Barbules;
     let coat = scene.objects.iter_mut().find_map(|object| match &mut object.shape {
@@ -251,10 +268,12 @@ fn job(state: &State, settings: &Settings, size: [u32; 2], is_moving: bool) -> R
 /// Draws the traced picture with what belongs to it, in all the room that there is: a line of controls, what is known of the picture,
 /// and the picture itself, under lamp, axes and scale bar. Dragging turns the camera, with the right button or two fingers it shifts; the wheel
 /// zooms towards what is under the pointer, and a double click puts that into the middle.
-pub fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action>) {
+pub(super) fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec<Action>) {
     memory.listen(ui.ctx());
-    controls::controls(ui, state, memory, actions);
-    controls::told(ui, memory);
+    Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+        controls::controls(ui, state, memory, actions);
+        controls::told(ui, memory);
+    });
     let rect = ui.available_rect_before_wrap();
     if rect.width() < 8.0 || rect.height() < 8.0 {
         return;
@@ -270,7 +289,7 @@ pub fn traced(ui: &mut Ui, state: &State, memory: &mut Traced, actions: &mut Vec
     }
     flight::step(ui, memory, actions);
     let size = pixels(rect.size() * ui.pixels_per_point());
-    let is_moving = memory.is_moving(ui, state.view());
+    let is_moving = memory.is_moving(ui, state.view(), actions);
     memory.ask(ui.ctx(), state, size, is_moving);
     response.on_hover_cursor(CursorIcon::Crosshair);
 }

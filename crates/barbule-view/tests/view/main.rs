@@ -1,5 +1,7 @@
 //! The viewer from outside.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
 mod feather;
 mod grating;
 mod layers;

@@ -95,6 +95,16 @@ impl Frame {
 
     /// The pixels, row by row, 8 bits.
     fn drawn(&self, view: &View, mesh: usize, exposure: &Exposure) -> Vec<[u8; 4]> {
+        self.drawn_in(
+            Coat::Feather(&self.feather, &WavesOnGpu::new(&self.gpu, &self.waves)),
+            view,
+            mesh,
+            exposure,
+        )
+    }
+
+    /// The same in another coat.
+    fn drawn_in(&self, coat: Coat<'_>, view: &View, mesh: usize, exposure: &Exposure) -> Vec<[u8; 4]> {
         let gpu = &self.gpu;
         let film = Film::new(gpu, [SIZE; 2]).unwrap();
         let format = wgpu::TextureFormat::Rgba8Unorm;
@@ -102,9 +112,7 @@ impl Frame {
         let target = Target::new(gpu, [SIZE; 2], format).unwrap();
         self.surfaces.look(gpu, view);
         developer.expose(gpu, exposure);
-        let waves = WavesOnGpu::new(gpu, &self.waves);
         let mut encoder = gpu.device().create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let coat = Coat::Feather(&self.feather, &waves);
         self.surfaces.draw(&mut encoder, &film, &self.mesh[mesh], |_| (coat, &self.dress));
         let loaded = developer.load(gpu, &film);
         developer.gather(&mut encoder, &loaded, 1);
@@ -253,6 +261,8 @@ fn undersides_are_keratin() {
     let Some(frame) = Frame::new() else { return };
     let view = view(Vec3::new(0.2, 0.1, -1.0), Vec3::new(-0.1, 0.3, -1.0));
     let pixels = frame.drawn(&view, 1, &EXPOSURE);
+    let whole = frame.drawn_in(Coat::Keratin, &view, 1, &EXPOSURE);
+    assert_eq!(pixels, whole, "what has no coat is keratin, as undersides are");
     let keratin = keratin();
     let Eye::Towards(to_eye) = view.eye else { panic!("the eye is far away") };
     // The lower side's frame is the upper one's turned about y.

@@ -381,7 +381,8 @@ fn programs_see_the_facade_only() {
         let folder = entry.unwrap().path();
         let name = folder.file_name().unwrap().to_string_lossy().into_owned();
         let manifest = fs::read_to_string(folder.join("Cargo.toml")).unwrap();
-        if LIBRARIES.contains(&name.as_str()) {
+        // What of the viewer runs in browsers stands on what is below the façade.
+        if LIBRARIES.contains(&name.as_str()) || name == "barbule-view" {
             continue;
         }
         for inner in LIBRARIES.iter().filter(|library| **library != "barbule") {

@@ -295,6 +295,8 @@ fn split_mix(state: vec2u) -> vec2u {
 // A barbule among others, or none: the smooth mean.
 struct FeatherDraw {
     is_one: bool,
+    // The share of what it is beside the mean that is seen.
+    share: f32,
     is_achromatic: bool,
     // Factors E where x_i + x_o < 0, and where not.
     wings: vec2f,
@@ -309,7 +311,7 @@ struct FeatherDraw {
 }
 
 fn feather_mean() -> FeatherDraw {
-    return FeatherDraw(false, false, vec2f(1.0), 0.0, 0.0, 0, 1, vec2f(1.0, 0.0), vec2f(1.0, 0.0));
+    return FeatherDraw(false, 0.0, false, vec2f(1.0), 0.0, 0.0, 0, 1, vec2f(1.0, 0.0), vec2f(1.0, 0.0));
 }
 
 fn feather_draw(instance: vec2u) -> FeatherDraw {
@@ -318,6 +320,7 @@ fn feather_draw(instance: vec2u) -> FeatherDraw {
     let rotations = feather.more.y;
     var draw: FeatherDraw;
     draw.is_one = true;
+    draw.share = 1.0;
     draw.is_achromatic = (more.y >> 16u) < feather.name.z;
     let below = feather_texel(rotations + ((h.x >> 8u) & 255u)).z;
     let above = feather_texel(rotations + (((h.x >> 28u) | (h.y << 4u)) & 255u)).z;
@@ -408,7 +411,7 @@ fn feather_one_way(pair: FeatherPair, wave: FeatherWave, draw: FeatherDraw) -> v
         mixed.steady *= own;
         var f = mixed.mean;
         if draw.is_one {
-            f = feather_drawn(pair, mixed, part, kind, wave, draw);
+            f = mix(mixed.mean, feather_drawn(pair, mixed, part, kind, wave, draw), draw.share);
         }
         values += mixed.along * vec2f(f, mixed.steady);
     }

@@ -44,7 +44,8 @@ struct Corner {
 }
 
 struct Surface {
-    @builtin(position) at: vec4f,
+    // The same to the last bit in every pass.
+    @builtin(position) @invariant at: vec4f,
     @location(0) position: vec3f,
     @location(1) normal: vec3f,
     @location(2) tangent: vec3f,
@@ -104,4 +105,10 @@ fn light_of(local: Local, f: vec3f, reflected: vec3f) -> vec4f {
 fn keratin_light(local: Local) -> vec4f {
     let f = keratin_colour(dress.keratin, local.to_eye, local.to_lamp);
     return light_of(local, f, keratin_albedo_colour(dress.keratin, local.to_eye));
+}
+
+// Nothing is written where depths alone are drawn.
+@fragment
+fn fs_depth() -> @location(0) vec4f {
+    return vec4f(0.0);
 }

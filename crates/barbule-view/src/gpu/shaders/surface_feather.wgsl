@@ -114,16 +114,13 @@ fn arch_share(cell: Cell, wi: vec3f, wo: vec3f) -> f32 {
 
 // Linear sRGB of f of a barbule's upper side, 1/sr.
 fn barbule_colour(to_eye: vec3f, to_lamp: vec3f, cell: Cell, size: f32) -> vec3f {
-    let shown = cell.contrast * view.sky.w;
-    let is_shown = shown > LEAST_CONTRAST;
-    var f = vec3f(0.0);
-    if !is_shown || shown < 1.0 {
-        let rest = 1.0 - select(0.0, shown, is_shown);
-        f = rest * feather_colour(to_eye, to_lamp, feather_mean(), size);
+    let shown = min(cell.contrast * view.sky.w, 1.0);
+    var draw = feather_mean();
+    if shown > LEAST_CONTRAST {
+        draw = feather_draw(cell.instance);
+        draw.share = shown;
     }
-    if is_shown {
-        f += min(shown, 1.0) * feather_colour(to_eye, to_lamp, feather_draw(cell.instance), size);
-    }
+    let f = feather_colour(to_eye, to_lamp, draw, size);
     return f * arch_share(cell, to_eye, to_lamp);
 }
 

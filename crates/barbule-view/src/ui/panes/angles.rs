@@ -2,11 +2,10 @@
 
 use barbule::spectrum::look::hex;
 use eframe::egui::{Align2, Rect, Response, Role, TextStyle, Ui, WidgetInfo, pos2};
-use egui_plot::{Legend, Line, LineStyle, MarkerShape, PlotTransform, Points, VLine};
+use egui_plot::{Line, PlotTransform, Points, VLine, uniform_grid_spacer};
 
 use super::seen;
-use super::style;
-use super::words::digits;
+use super::style::{self, Pen};
 use super::{Memory, Once};
 use crate::live::{AngleSeen, Curves, Viewer, along_angles};
 use crate::state::{Seer, State};
@@ -73,11 +72,15 @@ fn peaks(
     drawn: Vec<(&str, &Vec<AngleSeen>)>,
     state: &State,
 ) -> (Rect, PlotTransform, Option<f64>) {
-    let inks = [style::own(ui), style::pinned(ui)];
+    let pens = Pen::both(ui);
     let weak = ui.visuals().weak_text_color();
     let mut ends = [f64::INFINITY, f64::NEG_INFINITY];
     for one in drawn.iter().flat_map(|(_, seen)| *seen) {
         ends = [ends[0].min(one.reach[0].to_degrees()), ends[1].max(one.reach[1].to_degrees())];
+    }
+    // Where nothing is known yet, the axis has all angles; a plot without ends would have a grid without one.
+    if !(ends[0].is_finite() && ends[0] < ends[1]) {
+        ends = [0.0, 90.0];
     }
     let curves: Vec<(String, Vec<[f64; 2]>)> = drawn
         .into_iter()
@@ -86,27 +89,25 @@ fn peaks(
             (whose.to_owned(), points.collect())
         })
         .collect();
+    let pen_of = |whose: &str| pens[usize::from(whose != "open")];
+    style::keys(ui, curves.iter().map(|(whose, _)| (whose.as_str(), pen_of(whose))));
     let now = state.view().angle_deg;
     let shown = style::plot("angles", "angle of incidence (deg)", "peak wavelength (nm)")
         .height(style::plot_height(ui))
         .include_x(ends[0])
         .include_x(ends[1])
         .set_margin_fraction(eframe::egui::vec2(0.0, 0.1))
-        .legend(Legend::default().follow_insertion_order(true))
-        .label_formatter(|position| {
-            let (egui_plot::HoverPosition::NearDataPoint { position, .. }
-            | egui_plot::HoverPosition::Elsewhere { position }) = position;
-            Some(format!("{}°, {:.0} nm", digits(position.x), position.y))
-        })
+        .x_grid_spacer(uniform_grid_spacer(|_| [10.0, 30.0, 90.0]))
         .show(ui, move |plot| {
             plot.vline(VLine::new("angle of the spectrum", now).color(weak).style(style::DASHED).width(1.0));
             for (whose, points) in curves {
-                let is_own = whose == "open";
-                let ink = inks[usize::from(!is_own)];
-                let marker = if is_own { MarkerShape::Circle } else { MarkerShape::Square };
-                plot.points(Points::new(whose.clone(), points.clone()).shape(marker).radius(2.5).color(ink));
-                let dashes = if is_own { LineStyle::Solid } else { style::DASHED };
-                plot.line(Line::new(whose, points).color(ink).width(2.0).style(dashes));
+                let Pen { ink, width, dashes, marker } = pens[usize::from(whose != "open")];
+                if let Some(marker) = marker {
+                    plot.points(
+                        Points::new(whose.clone(), points.clone()).shape(marker).radius(2.5).color(ink),
+                    );
+                }
+                plot.line(Line::new(whose, points).color(ink).width(width).style(dashes));
             }
         });
     let clicked = clicked(&shown.response, &shown.transform);

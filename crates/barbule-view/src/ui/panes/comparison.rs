@@ -50,9 +50,12 @@ fn colours(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory) {
         return style::not_there(ui, "colours are compared once both reflectances are there");
     };
     ui.horizontal_wrapped(|ui| {
-        seen::swatches(ui, &own.sight, state, "open");
-        seen::swatches(ui, &pinned.sight, state, "pinned");
+        for (seen, whose) in [(own, "open"), (pinned, "pinned")] {
+            ui.label(whose);
+            seen::swatches(ui, &seen.sight, state, whose);
+        }
     });
+    let peaks = [own, pinned].map(|seen| seen.look.peak.map(|peak| peak.nm));
     let key = (own.spectrum.clone(), pinned.spectrum.clone(), state.view().eye.clone());
     let Memory { viewer, compared, .. } = memory;
     let Ok(viewer) = seen::viewer(viewer, state) else { return };
@@ -61,7 +64,7 @@ fn colours(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory) {
     match found {
         Ok(found) => {
             Grid::new("differences in colour").num_columns(2).striped(true).show(ui, |ui| {
-                for (what, value) in rows(found, &state.view().eye) {
+                for (what, value) in rows(found, peaks, &state.view().eye) {
                     ui.label(what);
                     ui.label(value);
                     ui.end_row();
@@ -73,12 +76,14 @@ fn colours(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory) {
 }
 
 /// The numbers of a comparison, each with what it is.
-fn rows(found: &Compared, eye: &Seer) -> Vec<(String, String)> {
+fn rows(found: &Compared, peaks: [Option<f64>; 2], eye: &Seer) -> Vec<(String, String)> {
     let none = || "not known".to_owned();
+    let peak = |nm: Option<f64>| nm.map_or_else(|| "none".to_owned(), |nm| format!("{nm:.0} nm"));
     let mut rows = vec![
         ("colour, people: \u{394}E00".to_owned(), found.delta_e_2000.map_or_else(none, digits)),
+        ("peaks, open and pinned".to_owned(), peaks.map(peak).join(", ")),
         (
-            "peak".to_owned(),
+            "shift of the peak".to_owned(),
             found.peak_shift_nm.map_or_else(|| "none in common".to_owned(), |nm| format!("{nm:+.0} nm")),
         ),
         ("brightness".to_owned(), found.brightness.map_or_else(none, |ratio| format!("× {}", digits(ratio)))),
@@ -129,13 +134,13 @@ mod tests {
             bird: None,
         };
         let values = |found: &Compared, eye: &Seer| -> Vec<String> {
-            rows(found, eye).into_iter().map(|(_, value)| value).collect()
+            rows(found, [Some(510.2), None], eye).into_iter().map(|(_, value)| value).collect()
         };
-        assert_eq!(values(&people, &Seer::People), ["12.3", "-20 nm", "× 1.25"]);
+        assert_eq!(values(&people, &Seer::People), ["12.3", "510 nm, none", "-20 nm", "× 1.25"]);
         let told = Told::Jnd { delta_s: Some(3.0), delta_l: None };
         let bird = Compared { peak_shift_nm: None, brightness: None, bird: Some(told), ..people.clone() };
         let eye = Seer::Bird("starling".into());
-        assert_eq!(values(&bird, &eye), ["12.3", "none in common", "not known", "3 JND"]);
+        assert_eq!(values(&bird, &eye), ["12.3", "510 nm, none", "none in common", "not known", "3 JND"]);
         let unknown = Compared { bird: Some(Told::Unknown("the reflectance ends".into())), ..people };
         assert_eq!(values(&unknown, &eye).last().unwrap(), "the reflectance ends");
     }

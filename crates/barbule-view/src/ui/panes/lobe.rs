@@ -11,8 +11,9 @@ use eframe::egui::{
     Align2, Color32, ColorImage, FontId, Painter, Pos2, Rect, Role, Sense, Slider, Stroke, TextStyle,
     TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
-use egui_plot::{Legend, Line, LineStyle};
+use egui_plot::{Line, uniform_grid_spacer};
 
+use super::style::Pen;
 use super::words::digits;
 use super::{Memory, seen, style};
 use crate::live::{
@@ -85,7 +86,7 @@ fn mirror(incident: DVec3) -> [f64; 2] {
 
 /// Draws the disc; the place that the pointer touches, if it does. A click keeps a place, a double click lets it go.
 fn disc(ui: &mut Ui, hemisphere: &Hemisphere, incident: DVec3, kept: &mut Kept) -> Option<[f64; 2]> {
-    let side = ui.available_width().min(LARGEST).max(4.0 * MARGIN);
+    let side = ui.available_width().clamp(4.0 * MARGIN, LARGEST);
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::click());
     let disc = rect.shrink(MARGIN);
     let white = kept.white.unwrap_or_else(|| hemisphere.white());
@@ -164,14 +165,7 @@ fn marks(ui: &Ui, painter: &Painter, disc: Rect, [light, mirror]: [[f64; 2]; 2])
         painter.text(at, Align2::CENTER_BOTTOM, format!("{degrees}°"), font.clone(), Color32::from_gray(200));
     }
     painter.circle_stroke(disc.center(), radius, Stroke::new(1.0, text));
-    painter.text(
-        disc.center_bottom() + vec2(0.0, 2.0),
-        Align2::CENTER_TOP,
-        "across the barbule →",
-        font.clone(),
-        text,
-    );
-    painter.text(disc.center_top() + vec2(0.0, -2.0), Align2::CENTER_BOTTOM, "along ↑", font.clone(), text);
+    axes(painter, disc, &font, text);
     let sun = screen(disc, light);
     painter.circle(sun, 4.5, Color32::from_rgb(240, 228, 66), Stroke::new(1.5, Color32::BLACK));
     name(painter, sun, "light", &font);
@@ -184,6 +178,19 @@ fn marks(ui: &Ui, painter: &Painter, disc: Rect, [light, mirror]: [[f64; 2]; 2])
     if at.distance(sun) > 12.0 {
         name(painter, at, "mirror", &font);
     }
+}
+
+/// The axes beside the disc: across the barbule to the right, along it upwards.
+fn axes(painter: &Painter, disc: Rect, font: &FontId, ink: Color32) {
+    let stroke = Stroke::new(1.2, ink);
+    let corner = disc.left_bottom() + vec2(-0.5 * MARGIN, 0.5 * MARGIN);
+    let long = 2.0 * MARGIN;
+    painter.arrow(corner, vec2(long, 0.0), stroke);
+    painter.arrow(corner, vec2(0.0, -long), stroke);
+    let beside = corner + vec2(long + 4.0, 0.0);
+    painter.text(beside, Align2::LEFT_CENTER, "across the barbule", font.clone(), ink);
+    let above = corner + vec2(-0.4 * MARGIN, -long - 2.0);
+    painter.text(above, Align2::LEFT_BOTTOM, "along", font.clone(), ink);
 }
 
 /// A name beside a mark, readable on any colour.
@@ -240,11 +247,12 @@ fn there(
             }
             let nm = spectrum.wavelengths().nm().iter();
             let points: Vec<[f64; 2]> = nm.zip(spectrum.values()).map(|(nm, value)| [*nm, *value]).collect();
-            let ink = style::own(ui);
-            style::plot("touched", "wavelength (nm)", "\u{3c0}f (white diffuser = 1)")
-                .height(0.7 * style::plot_height(ui))
+            let [pen, _] = Pen::both(ui);
+            ui.weak("\u{3c0}f: 1 is a white diffuser");
+            style::plot("touched", "wavelength (nm)", "\u{3c0}f")
+                .height(0.8 * style::plot_height(ui))
                 .include_y(0.0)
-                .show(ui, |plot| plot.line(Line::new("there", points).color(ink).width(2.0)));
+                .show(ui, |plot| plot.line(Line::new("there", points).color(pen.ink).width(pen.width)));
         }
         Err(error) => style::not_there(ui, &error.to_string()),
     }
@@ -252,9 +260,11 @@ fn there(
 
 /// Where a direction is: its slopes across and along the barbule.
 fn direction_words(outgoing: DVec3) -> String {
-    let across = libm::atan2(outgoing.x, outgoing.z).to_degrees();
-    let along = libm::asin(outgoing.y.clamp(-1.0, 1.0)).to_degrees();
-    format!("towards {across:.0}° across, {along:.0}° along the barbule")
+    // A zero that is added takes the sign of another one away.
+    let whole = |radians: f64| radians.to_degrees().round() + 0.0;
+    let across = whole(libm::atan2(outgoing.x, outgoing.z));
+    let along = whole(libm::asin(outgoing.y.clamp(-1.0, 1.0)));
+    format!("towards {across}° across, {along}° along the barbule")
 }
 
 /// Spectrum and sight of a direction, at the viewer's wavelengths that the material has.
@@ -293,8 +303,7 @@ fn far_field(ui: &mut Ui, state: &State, results: &Results) {
             "the lobe appears here once it is computed; make the material to see it in colour",
         );
     }
-    let inks = [style::own(ui), style::pinned(ui)];
-    let dashes = [LineStyle::Solid, style::DASHED];
+    let pens = Pen::both(ui).map(Pen::plain);
     let named = [("open", &own), ("pinned", &pinned)];
     for (whose, lobe) in named.into_iter().filter_map(|(whose, lobe)| Some((whose, lobe.as_ref()?))) {
         ui.label(lobe_words(whose, lobe, state.view().individual));
@@ -303,16 +312,19 @@ fn far_field(ui: &mut Ui, state: &State, results: &Results) {
         .into_iter()
         .map(|(whose, lobe)| (whose.to_owned(), lobe.as_ref().map(points).unwrap_or_default()))
         .collect();
+    let drawn = || curves.iter().zip(pens).filter(|((_, points), _)| !points.is_empty());
+    style::keys(ui, drawn().map(|((whose, _), pen)| (whose.as_str(), pen)));
+    let lines: Vec<(String, Vec<[f64; 2]>, Pen)> =
+        drawn().map(|((whose, points), pen)| (whose.clone(), points.clone(), pen)).collect();
     style::plot("far field", "azimuth (deg)", "intensity (1/rad)")
         .height(style::plot_height(ui))
         .include_y(0.0)
         .include_x(-90.0)
         .include_x(90.0)
-        .legend(Legend::default().follow_insertion_order(true))
+        .x_grid_spacer(uniform_grid_spacer(|_| [10.0, 30.0, 90.0]))
         .show(ui, move |plot| {
-            let each = curves.into_iter().zip(inks).zip(dashes);
-            for (((whose, points), ink), dashes) in each.filter(|(((_, points), _), _)| !points.is_empty()) {
-                plot.line(Line::new(whose, points).color(ink).width(2.0).style(dashes));
+            for (whose, points, pen) in lines {
+                plot.line(Line::new(whose, points).color(pen.ink).width(pen.width).style(pen.dashes));
             }
         });
 }

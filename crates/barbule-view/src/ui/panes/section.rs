@@ -2,14 +2,14 @@
 
 use barbule::structure::Section;
 use eframe::egui::{
-    Align2, Color32, ColorImage, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, TextStyle,
-    TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, ColorImage, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Stroke, StrokeKind,
+    TextStyle, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 
 use super::layers::{self, Layer};
 use super::words::{length, round_below};
 use super::{Memory, style};
-use crate::live::{Entry, Legend, Raster, Window, first_window, raster};
+use crate::live::{Entry, Legend, Raster, Window, first_window, near_window, raster};
 use crate::state::{State, Subject};
 use crate::ui::{Action, Results};
 
@@ -32,7 +32,8 @@ const STEP: f64 = 1.5;
 pub(super) struct Kept {
     /// What is looked at of which subject: its middle and width stay as the view's shape changes.
     window: Option<(String, Window)>,
-    legend: super::Once<[Option<Section>; 2], Legend>,
+    /// The media, and of which sections.
+    legend: Option<([Option<Section>; 2], Legend)>,
     drawn: [Option<Drawn>; 2],
 }
 
@@ -76,8 +77,7 @@ pub fn section(
         );
     };
     let kept = &mut memory.section;
-    let legend = kept.legend.of(&[own.cloned(), pinned.cloned()], |both| Legend::of(both.iter().flatten()));
-    let legend = legend.clone();
+    let legend = legend(&mut kept.legend, [own, pinned]);
     let wide = ui.available_width();
     let columns = if wide >= SIDE_BY_SIDE * shown.len() as f32 { shown.len() } else { 1 };
     let gap = ui.spacing().item_spacing.x;
@@ -105,6 +105,18 @@ pub fn section(
     entries(ui, &legend);
     listed(ui, &shown);
     individual(ui, state, actions);
+}
+
+/// The media of both, found anew where a section has changed.
+fn legend(kept: &mut Option<([Option<Section>; 2], Legend)>, both: [Option<&Section>; 2]) -> Legend {
+    match kept {
+        Some((known, legend)) if known.each_ref().map(Option::as_ref) == both => legend.clone(),
+        _ => {
+            let legend = Legend::of(both.into_iter().flatten());
+            *kept = Some((both.map(Option::<&Section>::cloned), legend.clone()));
+            legend
+        }
+    }
 }
 
 fn layers_of(subject: &Subject) -> Vec<Layer> {
@@ -136,10 +148,12 @@ fn buttons(ui: &mut Ui, window: Window, section: &Section, shape: f64) -> Option
                 moved = Some(window.zoomed(factor, [0.5; 2]));
             }
         }
-        if ui.button("all of it").clicked() {
-            moved = Some(first_window(section, shape));
+        for (words, window) in [("all of it", first_window as fn(_, _) -> _), ("its top", near_window)] {
+            if ui.button(words).clicked() {
+                moved = Some(window(section, shape));
+            }
         }
-        ui.weak("wheel: nearer; drag: move; double click: all of it");
+        ui.weak("wheel and drag look elsewhere");
     });
     moved
 }
@@ -170,7 +184,7 @@ fn view(
 
 /// Where the wheel, fingers, drags and double clicks move a window.
 fn moved(ui: &Ui, response: &Response, rect: Rect, window: Window, section: &Section) -> Option<Window> {
-    let part = |at: eframe::egui::Pos2| {
+    let part = |at: Pos2| {
         let from = at - rect.min;
         [f64::from(from.x / rect.width()), f64::from(from.y / rect.height())]
     };
@@ -199,14 +213,11 @@ fn texture(
 ) -> TextureId {
     let pixels = |points: f32| (points * ui.ctx().pixels_per_point()).round().clamp(1.0, MOST_PX) as usize;
     let size = [pixels(rect.width()), pixels(rect.height())];
-    if let Some(known) = drawn {
-        if known.size == size
-            && known.window == window
-            && known.section == *section
-            && known.legend == *legend
-        {
-            return known.texture.id();
-        }
+    let is_known = |known: &&mut Drawn| {
+        known.size == size && known.window == window && known.section == *section && known.legend == *legend
+    };
+    if let Some(known) = drawn.as_mut().filter(is_known) {
+        return known.texture.id();
     }
     let Raster { size, rgb } = raster(section, legend, &window, size);
     let image = ColorImage::from_rgb(size, &rgb);
@@ -217,7 +228,7 @@ fn texture(
 }
 
 /// Words on a patch that makes them readable on any medium.
-fn on_patch(ui: &Ui, painter: &Painter, at: eframe::egui::Pos2, anchor: Align2, words: String) {
+fn on_patch(ui: &Ui, painter: &Painter, at: Pos2, anchor: Align2, words: String) {
     let font = TextStyle::Small.resolve(ui.style());
     let galley = painter.layout_no_wrap(words, font, Color32::BLACK);
     let place = anchor.anchor_size(at, galley.size());
@@ -265,16 +276,17 @@ fn sample(ui: &mut Ui, entry: &Entry) {
     let (rect, _) = ui.allocate_exact_size(vec2(28.0, 14.0), Sense::hover());
     let [from, to] = entry.shades.map(style::rgb);
     style::strip(ui.painter(), rect, |part| from.lerp_to_gamma(to, part));
-    let painter = ui.painter_at(rect);
-    let light = entry.shades[0].iter().map(|c| u32::from(*c)).sum::<u32>() > 306;
-    let ink = if light { Color32::from_black_alpha(90) } else { Color32::from_white_alpha(90) };
-    let [wide, tall] = [rect.width() as usize, rect.height() as usize];
-    for row in 0..tall {
-        for column in (0..wide).filter(|column| entry.hatch.marks(*column, row)) {
+    // Pixels as those of the picture, which soft edges would fade.
+    let ink = if entry.dark_lines { Color32::from_black_alpha(90) } else { Color32::from_white_alpha(90) };
+    let mut lines = Mesh::default();
+    for row in 0..rect.height() as usize {
+        for column in (0..rect.width() as usize).filter(|column| entry.hatch.marks(*column, row)) {
             let at = rect.min + vec2(column as f32, row as f32);
-            painter.rect_filled(Rect::from_min_size(at, vec2(1.0, 1.0)), 0.0, ink);
+            lines.add_colored_rect(Rect::from_min_size(at, vec2(1.0, 1.0)), ink);
         }
     }
+    let painter = ui.painter_at(rect);
+    painter.add(lines);
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(rect, 0.0, edge, StrokeKind::Inside);
 }

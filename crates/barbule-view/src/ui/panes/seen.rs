@@ -43,7 +43,11 @@ impl Seen {
     pub(super) fn words(&self) -> String {
         match self.look.peak {
             Some(peak) => {
-                format!("peak {:.0} nm, {}; {}", peak.nm, percent(peak.reflectance), peak.half.words())
+                let half = match peak.half.nm() {
+                    Some(nm) => format!("half width {nm:.0} nm"),
+                    None => peak.half.words(),
+                };
+                format!("peak {:.0} nm, {}; {half}", peak.nm, percent(peak.reflectance))
             }
             None => format!("no peak; highest at {:.0} nm", self.look.hue_nm),
         }

@@ -15,6 +15,9 @@ const ANGLES_DEG: [f64; 2] = [-85.0, 85.0];
 const WAVELENGTHS_NM: [f64; 2] = [300.0, 830.0];
 const LAST_INDIVIDUAL: usize = 9999;
 
+/// Room for the number beside a slider, and for the groups' indent, points.
+const NUMBER_WIDE: f32 = 120.0;
+
 /// What the sliders remember.
 #[derive(Default)]
 pub(super) struct Kept {
@@ -54,6 +57,8 @@ pub fn sliders(
     memory: &mut Memory,
     actions: &mut Vec<Action>,
 ) {
+    // The number beside a slider takes the rest.
+    ui.spacing_mut().slider_width = (ui.available_width() - NUMBER_WIDE).max(60.0);
     let kept = &mut memory.sliders;
     let sliders = state.subject().sliders();
     if sliders.is_empty() {

@@ -2,11 +2,11 @@
 
 use barbule::spectrum::Spectrum;
 use barbule::spectrum::comparison::Comparison;
-use eframe::egui::{self, Color32, Ui};
-use egui_plot::{FilledArea, HoverPosition, Legend, Line, LineStyle, MarkerShape, Points, VLine};
+use eframe::egui::{self, Ui};
+use egui_plot::{FilledArea, Line, LineStyle, Points, VLine};
 
 use super::seen::{self, Seen};
-use super::style;
+use super::style::{self, Pen};
 use super::words::{digits, percent};
 use super::{Memory, Once};
 use crate::live::spectral_srgb;
@@ -21,10 +21,7 @@ struct Curve {
     name: String,
     spectrum: Spectrum,
     deviation: Option<Vec<f64>>,
-    ink: Color32,
-    width: f32,
-    style: LineStyle,
-    marker: Option<MarkerShape>,
+    pen: Pen,
 }
 
 /// Draws reflectance against wavelength: of what is open with its deviation between individuals, of what is pinned, of the individual
@@ -74,45 +71,28 @@ fn header(ui: &mut Ui, seen: &Seen, state: &State, whose: &str) {
 /// Everything that is drawn, what is open first.
 fn curves(ui: &Ui, [own, pinned]: [Option<&Seen>; 2], state: &State, results: &Results) -> Vec<Curve> {
     let mut curves = Vec::new();
-    let mut mean = |seen: &Seen, name: &str, ink, style| {
-        curves.push(Curve {
-            name: name.to_owned(),
-            spectrum: seen.spectrum.clone(),
-            deviation: seen.deviation.clone(),
-            ink,
-            width: 2.0,
-            style,
-            marker: None,
-        });
-    };
-    if let Some(seen) = own {
-        mean(seen, "open", style::own(ui), LineStyle::Solid);
-    }
-    if let Some(seen) = pinned {
-        mean(seen, "pinned", style::pinned(ui), style::DASHED);
+    let named = [own, pinned].into_iter().zip(["open", "pinned"]).zip(Pen::both(ui));
+    for ((seen, name), pen) in named {
+        if let Some(Seen { spectrum, deviation, .. }) = seen {
+            let (spectrum, deviation) = (spectrum.clone(), deviation.clone());
+            curves.push(Curve { name: name.to_owned(), spectrum, deviation, pen: pen.plain() });
+        }
     }
     if let Some(one) = &results.own.individual {
+        let thin = Pen { ink: ui.visuals().text_color(), width: 0.8, dashes: LineStyle::Solid, marker: None };
         curves.push(Curve {
             name: format!("individual {}, along its normal", state.view().individual),
             spectrum: one.reflected.clone(),
             deviation: None,
-            ink: ui.visuals().text_color(),
-            width: 0.8,
-            style: LineStyle::Solid,
-            marker: None,
+            pen: thin,
         });
     }
     for (place, beside) in state.beside().iter().enumerate() {
-        let (ink, marker) = style::measured(place);
-        let measured = beside.measured();
         curves.push(Curve {
             name: beside.name(),
-            spectrum: measured.mean.clone(),
-            deviation: measured.std.clone(),
-            ink,
-            width: 1.2,
-            style: style::DOTTED,
-            marker: Some(marker),
+            spectrum: beside.measured().mean.clone(),
+            deviation: beside.measured().std.clone(),
+            pen: style::measured(place),
         });
     }
     curves
@@ -121,18 +101,12 @@ fn curves(ui: &Ui, [own, pinned]: [Option<&Seen>; 2], state: &State, results: &R
 fn plot(ui: &mut Ui, curves: Vec<Curve>, state: &State) {
     let reading: Vec<(String, Spectrum)> =
         curves.iter().map(|curve| (curve.name.clone(), curve.spectrum.clone())).collect();
-    let at_pointer = reading.clone();
+    style::keys(ui, curves.iter().map(|curve| (curve.name.as_str(), curve.pen)));
     let marked = state.view().wavelength_nm;
     let weak = ui.visuals().weak_text_color();
     let shown = style::plot("spectrum", "wavelength (nm)", "reflectance")
         .height(style::plot_height(ui))
         .include_y(0.0)
-        .legend(Legend::default().follow_insertion_order(true))
-        .label_formatter(move |position| {
-            let (HoverPosition::NearDataPoint { position, .. } | HoverPosition::Elsewhere { position }) =
-                position;
-            Some(read(&at_pointer, position.x).join("\n"))
-        })
         .show(ui, move |plot| {
             plot.vline(VLine::new("lobe's wavelength", marked).color(weak).style(style::DASHED).width(1.0));
             for curve in curves {
@@ -151,8 +125,9 @@ fn plot(ui: &mut Ui, curves: Vec<Curve>, state: &State) {
     ui.weak(words);
 }
 
-fn draw<'a>(plot: &mut egui_plot::PlotUi<'a>, curve: Curve) {
-    let Curve { name, spectrum, deviation, ink, width, style, marker } = curve;
+fn draw(plot: &mut egui_plot::PlotUi<'_>, curve: Curve) {
+    let Curve { name, spectrum, deviation, pen } = curve;
+    let Pen { ink, width, dashes, marker } = pen;
     let (nm, values) = (spectrum.wavelengths().nm(), spectrum.values());
     if let Some(deviation) = deviation.filter(|deviation| deviation.len() == values.len()) {
         let with = |sign: f64| -> Vec<f64> {
@@ -168,7 +143,7 @@ fn draw<'a>(plot: &mut egui_plot::PlotUi<'a>, curve: Curve) {
         let some: Vec<[f64; 2]> = points.iter().copied().step_by(every).collect();
         plot.points(Points::new(name.clone(), some).shape(marker).radius(3.5).color(ink).allow_hover(false));
     }
-    plot.line(Line::new(name, points).color(ink).width(width).style(style));
+    plot.line(Line::new(name, points).color(ink).width(width).style(dashes));
 }
 
 /// A wavelength, and each curve's value there.

@@ -3,7 +3,8 @@
 use barbule::plot::PALETTE;
 use barbule::spectrum::look::hex;
 use eframe::egui::{
-    Color32, Mesh, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2, vec2,
+    Color32, Mesh, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 use egui_plot::{LineStyle, MarkerShape, Plot};
 
@@ -33,24 +34,25 @@ fn ink(ui: &Ui, on_light: usize, on_dark: usize) -> Color32 {
 }
 
 /// The ink of what is open; its curves are solid.
-pub(super) fn own(ui: &Ui) -> Color32 {
+fn own(ui: &Ui) -> Color32 {
     ink(ui, 0, 5)
 }
 
 /// The ink of what is pinned; its curves are dashed.
-pub(super) fn pinned(ui: &Ui) -> Color32 {
+fn pinned(ui: &Ui) -> Color32 {
     ink(ui, 1, 6)
 }
 
-/// Dashes of what is pinned.
+/// Dashes of what is pinned, and of marks that are no curves.
 pub(super) const DASHED: LineStyle = LineStyle::Dashed { length: 7.0 };
 /// Dots of what was measured.
-pub(super) const DOTTED: LineStyle = LineStyle::Dotted { spacing: 4.0 };
+const DOTTED: LineStyle = LineStyle::Dotted { spacing: 4.0 };
 
-/// Ink and marker of a measured curve, by its place.
-pub(super) fn measured(place: usize) -> (Color32, MarkerShape) {
+/// How a measured curve is drawn, by its place.
+pub(super) fn measured(place: usize) -> Pen {
     let inks = [PALETTE[2], PALETTE[3]];
-    (rgb(inks[place % inks.len()]), MARKERS[place % MARKERS.len()])
+    let marker = Some(MARKERS[place % MARKERS.len()]);
+    Pen { ink: rgb(inks[place % inks.len()]), width: 1.2, dashes: DOTTED, marker }
 }
 
 /// The height of a plot that is as wide as there is room, points.
@@ -64,13 +66,85 @@ pub(super) fn plot<'a>(name: &str, x: &str, y: &str) -> Plot<'a> {
         .allow_scroll(false)
         .allow_zoom(false)
         .allow_drag(false)
+        .label_formatter(|_| None)
         .x_axis_label(x.to_owned())
         .y_axis_label(y.to_owned())
 }
 
+/// What tells a curve from others.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pen {
+    pub(super) ink: Color32,
+    pub(super) width: f32,
+    pub(super) dashes: LineStyle,
+    pub(super) marker: Option<MarkerShape>,
+}
+
+impl Pen {
+    /// What is open, and what is pinned.
+    pub(super) fn both(ui: &Ui) -> [Self; 2] {
+        let pen = |ink, dashes, marker| Self { ink, width: 2.0, dashes, marker: Some(marker) };
+        [pen(own(ui), LineStyle::Solid, MarkerShape::Circle), pen(pinned(ui), DASHED, MarkerShape::Square)]
+    }
+
+    /// The same without markers.
+    pub(super) fn plain(self) -> Self {
+        Self { marker: None, ..self }
+    }
+}
+
+/// Names curves beside a piece of each, above their plot, where they cover nothing.
+pub(super) fn keys<'a>(ui: &mut Ui, keys: impl IntoIterator<Item = (&'a str, Pen)>) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, pen) in keys {
+            let (rect, _) = ui.allocate_exact_size(vec2(26.0, STRIP), Sense::hover());
+            let [from, to] = [rect.left_center(), rect.right_center()];
+            let stroke = Stroke::new(pen.width, pen.ink);
+            let piece = match pen.dashes {
+                LineStyle::Solid => vec![Shape::line_segment([from, to], stroke)],
+                LineStyle::Dashed { length } => Shape::dashed_line(&[from, to], stroke, length, 0.6 * length),
+                LineStyle::Dotted { spacing } => Shape::dotted_line(&[from, to], pen.ink, spacing, pen.width),
+            };
+            ui.painter().extend(piece);
+            if let Some(marker) = pen.marker {
+                ui.painter().extend(mark(marker, rect.center(), pen.ink));
+            }
+            ui.small(name);
+        }
+    });
+}
+
+/// A marker as plots draw it.
+fn mark(marker: MarkerShape, at: Pos2, ink: Color32) -> Vec<Shape> {
+    let stroke = Stroke::new(1.5, ink);
+    let polygon = |corners: &[[f32; 2]]| {
+        let points = corners.iter().map(|[x, y]| at + 3.5 * vec2(*x, *y)).collect();
+        vec![Shape::convex_polygon(points, ink, Stroke::NONE)]
+    };
+    let lines = |ends: &[[f32; 2]]| -> Vec<Shape> {
+        let line = |[x, y]: &[f32; 2]| {
+            Shape::line_segment([at - 3.5 * vec2(*x, *y), at + 3.5 * vec2(*x, *y)], stroke)
+        };
+        ends.iter().map(line).collect()
+    };
+    let (tall, half) = (0.87, 0.5);
+    match marker {
+        MarkerShape::Circle => vec![Shape::circle_filled(at, 3.0, ink)],
+        MarkerShape::Square => polygon(&[[-0.7, -0.7], [0.7, -0.7], [0.7, 0.7], [-0.7, 0.7]]),
+        MarkerShape::Diamond => polygon(&[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]),
+        MarkerShape::Up => polygon(&[[0.0, -1.0], [tall, half], [-tall, half]]),
+        MarkerShape::Down => polygon(&[[0.0, 1.0], [-tall, -half], [tall, -half]]),
+        MarkerShape::Left => polygon(&[[-1.0, 0.0], [half, -tall], [half, tall]]),
+        MarkerShape::Right => polygon(&[[1.0, 0.0], [-half, tall], [-half, -tall]]),
+        MarkerShape::Cross => lines(&[[0.7, 0.7], [0.7, -0.7]]),
+        MarkerShape::Plus => lines(&[[1.0, 0.0], [0.0, 1.0]]),
+        MarkerShape::Asterisk => lines(&[[1.0, 0.0], [half, tall], [half, -tall]]),
+    }
+}
+
 /// A patch of colour that is called by what it shows.
 pub(super) fn swatch(ui: &mut Ui, srgb: [u8; 3], what: &str) -> Response {
-    let side = 1.4 * ui.spacing().interact_size.y;
+    let side = 1.1 * ui.spacing().interact_size.y;
     let (rect, response) = ui.allocate_exact_size(Vec2::new(1.6 * side, side), Sense::hover());
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
     ui.painter().rect(rect, 3.0, rgb(srgb), edge, StrokeKind::Inside);
