@@ -169,7 +169,7 @@ impl Page {
     /// Puts on the stage what is asked for, once it is there.
     fn keep_up(&mut self, context: &egui::Context) {
         let Some(worn) = self.worn(context) else { return };
-        if self.shown == Some(self.asked) {
+        if self.shown == Some(self.asked) || self.is_sliding(context) {
             return;
         }
         let begun = self.around.now_ms();
@@ -180,6 +180,13 @@ impl Page {
         let Asked { choice, solid, .. } = self.asked;
         let ms = self.plots.ms;
         self.around.mark(&format!("barbule-shows {} on {}: {ms:.1} ms", choice.label(), solid.label()));
+    }
+
+    /// Whether a grating's sizes are being moved, which takes longer to work out than a frame: then it is done when the hand rests.
+    fn is_sliding(&self, context: &egui::Context) -> bool {
+        let is_same =
+            self.shown.is_some_and(|shown| Asked { ridges: self.asked.ridges, ..shown } == self.asked);
+        is_same && context.input(|input| input.pointer.any_down())
     }
 
     /// What is worn, where it is known already; materials that are not are fetched.
@@ -203,7 +210,11 @@ impl Page {
         let asked = self.asked;
         let worn = match (asked.choice, bird) {
             (Choice::Bird(_), Some(Worn::Bird(brdf))) => {
-                self.plots.curve = Some(reflected(brdf, asked.angle)?);
+                let curve = reflected(brdf, asked.angle)?;
+                if self.shown.is_none_or(|shown| shown.choice != asked.choice) {
+                    self.view.stops = stops_of(curve.rgb);
+                }
+                self.plots.curve = Some(curve);
                 self.plots.strip.clear();
                 Worn::Bird(Arc::clone(brdf))
             }
@@ -295,6 +306,12 @@ fn reflected(brdf: &FeatherBrdf, angle: f64) -> Result<Curve> {
     let values: Vec<f64> = at.nm().iter().map(|nm| brdf.exact(*nm, wi).reflected()).collect();
     let rgb = Observer::default().weights(&at).linear_rgb(&values);
     Ok(Curve { nm: at.nm().to_vec(), values, rgb })
+}
+
+/// Stops of exposure for a barbule that reflects this colour: bright ones get less, but stay brighter than dark ones.
+fn stops_of(rgb: [f64; 3]) -> f64 {
+    let most = rgb.into_iter().fold(1e-3, f64::max);
+    (1.3 - 0.7 * (most / 0.065).log2()).clamp(-1.5, 2.5)
 }
 
 /// Where the first order of each wavelength leaves, in degrees from the mirror direction of light from straight above.

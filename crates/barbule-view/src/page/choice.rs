@@ -99,13 +99,13 @@ impl Choice {
         }
     }
 
-    /// Stops of exposure at which it looks right under the page's lamp.
+    /// Stops of exposure at which it looks right under the page's lamp; of a bird until its material is there.
     #[must_use]
     pub fn stops(self) -> f64 {
         match self {
-            Self::Bird(_) => 0.5,
-            Self::Film => 1.5,
-            Self::Ridges => 0.5,
+            Self::Bird(_) => 1.0,
+            Self::Film => 1.8,
+            Self::Ridges => 0.8,
         }
     }
 }

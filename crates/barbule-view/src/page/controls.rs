@@ -13,6 +13,8 @@ use super::spectrum::{Axis, curve, strip, swatch};
 const MOST_DEG: f64 = 85.0;
 /// What stands out: a blue that is told from the greys by lightness too.
 const ACCENT: Color32 = Color32::from_rgb(96, 165, 250);
+/// Behind what is chosen.
+const CHOSEN: Color32 = Color32::from_rgb(32, 92, 168);
 /// Sides of what fingers touch are at least so long, points.
 const TOUCH: f32 = 30.0;
 
@@ -24,8 +26,7 @@ pub(super) fn dress(context: &egui::Context) {
         *visuals = egui::Visuals::dark();
         visuals.panel_fill = Color32::from_gray(30);
         visuals.override_text_color = Some(Color32::from_gray(225));
-        visuals.selection.bg_fill = ACCENT;
-        visuals.selection.stroke.color = Color32::from_gray(10);
+        visuals.selection.bg_fill = CHOSEN;
         visuals.hyperlink_color = ACCENT;
         visuals.slider_trailing_fill = true;
         style.spacing.item_spacing = egui::vec2(8.0, 8.0);

@@ -12,8 +12,8 @@ use crate::Result;
 const TERMS: usize = 20;
 /// The shortest wavelength of which a series knows, µm: the renderer's band begins there.
 const SHORTEST_UM: f64 = 0.36;
-/// Standard deviation of the window of coherence, µm: sunlight's, a few periods.
-const COHERENCE_UM: f64 = 8.0;
+/// Standard deviation of the window of coherence, µm: a few periods, so that the orders of neighbouring wavelengths run into each other.
+const COHERENCE_UM: f64 = 3.0;
 /// Refractive index of the surface, and the colour of the pigment beneath, linear sRGB.
 const INDEX: f64 = 1.56;
 const PIGMENT: [f64; 3] = [0.02, 0.018, 0.016];

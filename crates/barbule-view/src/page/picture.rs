@@ -1,7 +1,8 @@
 //! The picture: the stage behind egui's canvas, and what fingers and mice do to it.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use eframe::egui;
 use eframe::egui_wgpu::{self, CallbackResources, CallbackTrait, ScreenDescriptor};
@@ -14,12 +15,14 @@ use crate::gpu::Gpu;
 use crate::stage::{Look, Show, Stage};
 
 /// Wavelengths of a frame at most: more come in the next ones, whose mean is shown.
-const WAVES: usize = 12;
+const WAVES: usize = 8;
 /// Pixels of the picture for a point of the screen at most: more are drawn too slowly on telephones.
 const MOST_SCALE: f32 = 1.5;
 /// Radius of the dome on which the lamp is moved, and its distance from the corner, points.
 const DOME: f32 = 38.0;
 const DOME_MARGIN: f32 = 18.0;
+/// Under WebGL one hears of finished frames only when something else is drawn: so soon it is.
+const ASK_AGAIN: Duration = Duration::from_millis(50);
 /// How much nearer a turn of the wheel by one point brings the shape.
 const PER_SCROLL: f64 = 0.003;
 
@@ -35,6 +38,13 @@ pub(super) struct Picture {
 struct Shared {
     stage: Mutex<Stage>,
     fault: Mutex<Option<String>>,
+    /// How the stage was looked at last, where nothing makes the picture better.
+    rest: Mutex<Option<(Look, [u32; 2])>>,
+    /// Whether a frame is being drawn: the next waits for it, or slow adapters would fall ever further behind the hand.
+    is_busy: AtomicBool,
+    /// Whether the page wants another one when it is done.
+    is_awaited: AtomicBool,
+    /// Frames that are done.
     frames: AtomicU32,
 }
 
@@ -55,15 +65,22 @@ impl CallbackTrait for Frame {
         _encoder: &mut wgpu::CommandEncoder,
         _resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
+        if self.shared.is_busy.load(Ordering::Acquire) {
+            // What is asked for now is drawn when the last frame is done.
+            self.shared.is_awaited.store(true, Ordering::Release);
+            self.repaint.request_repaint_after(ASK_AGAIN);
+            return Vec::new();
+        }
+        let mut rest = self.shared.rest.lock().unwrap_or_else(PoisonError::into_inner);
+        if rest.as_ref().is_some_and(|(look, size)| *look == self.look && *size == self.size) {
+            return Vec::new();
+        }
         let mut stage = self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner);
         match stage.draw(self.size, &self.look) {
+            Ok(_) if stage.is_empty() => {}
             Ok(is_better_yet) => {
-                if !stage.is_empty() {
-                    self.shared.frames.fetch_add(1, Ordering::Relaxed);
-                }
-                if is_better_yet {
-                    self.repaint.request_repaint();
-                }
+                *rest = (!is_better_yet).then(|| (self.look.clone(), self.size));
+                self.await_frame(&stage, is_better_yet);
             }
             Err(error) => {
                 let mut fault = self.shared.fault.lock().unwrap_or_else(PoisonError::into_inner);
@@ -83,18 +100,43 @@ impl CallbackTrait for Frame {
     }
 }
 
+impl Frame {
+    /// Asks for another frame when this one is done, if it makes the picture better or is wanted by then.
+    fn await_frame(&self, stage: &Stage, is_better_yet: bool) {
+        let (shared, repaint) = (Arc::clone(&self.shared), self.repaint.clone());
+        shared.is_busy.store(true, Ordering::Release);
+        shared.is_awaited.store(is_better_yet, Ordering::Release);
+        stage.gpu().queue().on_submitted_work_done(move || {
+            shared.is_busy.store(false, Ordering::Release);
+            let is_first = shared.frames.fetch_add(1, Ordering::Relaxed) == 0;
+            if shared.is_awaited.load(Ordering::Acquire) || is_first {
+                repaint.request_repaint();
+            }
+        });
+        self.repaint.request_repaint_after(ASK_AGAIN);
+    }
+}
+
 impl Picture {
     /// An empty one for targets of this format.
     pub(super) fn new(gpu: Gpu, format: wgpu::TextureFormat) -> Result<Self> {
         let adapter = gpu.to_string();
         let mut stage = Stage::new(gpu, format)?;
         stage.limit_waves(WAVES);
-        let shared = Shared { stage: Mutex::new(stage), fault: Mutex::new(None), frames: AtomicU32::new(0) };
+        let shared = Shared {
+            stage: Mutex::new(stage),
+            fault: Mutex::new(None),
+            rest: Mutex::new(None),
+            is_busy: AtomicBool::new(false),
+            is_awaited: AtomicBool::new(false),
+            frames: AtomicU32::new(0),
+        };
         Ok(Self { shared: Arc::new(shared), adapter, is_on_dome: false })
     }
 
     /// Puts something else on.
     pub(super) fn put(&self, show: &Show) -> Result<()> {
+        *self.shared.rest.lock().unwrap_or_else(PoisonError::into_inner) = None;
         self.shared.stage.lock().unwrap_or_else(PoisonError::into_inner).put(show)
     }
 
@@ -206,8 +248,8 @@ fn draw_dome(ui: &Ui, dome: Rect, lamp: DVec3) {
         let out = vec2(cos, sin);
         painter.line_segment([at + 8.0 * out, at + 11.0 * out], Stroke::new(1.5, sun));
     }
-    let above = middle - vec2(0.0, radius + 4.0);
-    painter.text(above, Align2::CENTER_BOTTOM, "lamp", FontId::proportional(11.0), Color32::from_gray(170));
+    let below = middle + vec2(0.0, radius - 4.0);
+    painter.text(below, Align2::CENTER_BOTTOM, "lamp", FontId::proportional(11.0), Color32::from_gray(190));
 }
 
 #[cfg(test)]

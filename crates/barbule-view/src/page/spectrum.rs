@@ -13,8 +13,9 @@ const TICK_NM: f64 = 100.0;
 /// Height of a plot and of its strip of colours, points.
 const HEIGHT: f32 = 168.0;
 const STRIP: f32 = 7.0;
-/// Room for labels: left, and below.
-const LEFT: f32 = 42.0;
+/// Room for labels: left, right, and below.
+const LEFT: f32 = 54.0;
+const RIGHT: f32 = 14.0;
 const BELOW: f32 = 34.0;
 /// Where axes of a share may end.
 const ENDS: [f64; 10] = [0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0];
@@ -76,7 +77,7 @@ impl Axis {
 pub(super) fn curve(ui: &mut Ui, curve: &Curve, axis: Axis) {
     let size = vec2(ui.available_width(), HEIGHT);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
-    let inner = Rect::from_min_max(rect.min + vec2(LEFT, 8.0), rect.max - vec2(8.0, BELOW + STRIP));
+    let inner = Rect::from_min_max(rect.min + vec2(LEFT, 8.0), rect.max - vec2(RIGHT, BELOW + STRIP));
     let (end, parts) = axis.end(&curve.values);
     let place = |nm: f64, value: f64| place_in(inner, nm, value / end);
     let (ink, faint) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
@@ -167,7 +168,7 @@ pub fn on_screen(linear: [f64; 3]) -> Color32 {
 pub(super) fn strip(ui: &mut Ui, colours: &[[f64; 3]], degrees: &[f64]) {
     let size = vec2(ui.available_width(), 44.0);
     let (rect, _) = ui.allocate_exact_size(size, Sense::hover());
-    let inner = Rect::from_min_max(rect.min + vec2(LEFT, 2.0), rect.max - vec2(8.0, 28.0));
+    let inner = Rect::from_min_max(rect.min + vec2(LEFT, 2.0), rect.max - vec2(RIGHT, 28.0));
     let painter = ui.painter_at(rect);
     let factor = brightening(colours);
     let width = inner.width() / colours.len().max(1) as f32;

@@ -13,10 +13,10 @@ const PER_POINT: f64 = 0.008;
 /// How far the camera is, in widths of its picture: as cameras of scenes.
 const DISTANCE: f64 = 4.0;
 /// The lamp's angular radius, rad: a small window's rather than the sun's, whose glints would be single pixels.
-const LAMP_RADIUS: f64 = 0.045;
+const LAMP_RADIUS: f64 = 0.08;
 /// What a white surface that faces the lamp shines, and radiance of the sky.
 const LAMP: f64 = 2.0;
-const SKY: f32 = 0.3;
+const SKY: f32 = 0.5;
 /// Linear sRGB behind everything: a grey that is dark enough for glints.
 const BEHIND: [f32; 3] = [0.008, 0.008, 0.009];
 /// How much wider than the shape its picture is.
