@@ -81,7 +81,7 @@ impl Film {
     /// The newest frame: linear sRGB times the share of the pixel that is covered, and that share, row by row. Waits for what was drawn.
     ///
     /// # Errors
-    /// As [`read_texture`].
+    /// The adapter was lost, or has too little memory.
     pub fn read(&self, gpu: &Gpu) -> Result<Vec<[f32; 4]>> {
         let bytes = read_texture(gpu, &self.resolved)?;
         let number = |bytes: &[u8; 2]| f16::from_le_bytes(*bytes).to_f32();

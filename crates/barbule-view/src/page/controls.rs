@@ -177,8 +177,8 @@ fn size(
     label: &str,
     (unit, digits): (&str, usize),
 ) -> bool {
-    ui.label(format!("{label}: {value:.digits$}{unit}"));
+    let named = ui.label(format!("{label}: {value:.digits$}{unit}")).id;
     ui.spacing_mut().slider_width = ui.available_width() - 4.0;
     let step = 0.1_f64.powi(digits as i32);
-    ui.add(Slider::new(value, low..=high).step_by(step).show_value(false)).changed()
+    ui.add(Slider::new(value, low..=high).step_by(step).show_value(false)).labelled_by(named).changed()
 }

@@ -1,7 +1,7 @@
 //! The linked views: sliders of the structure, its reflectance, its colour against the angle, its lobe, its section, and how it
 //! differs from what is pinned.
 //!
-//! Each is a function that draws into an [`egui::Ui`], reads what is open and what has been computed of it, remembers in [`Memory`] what
+//! Each is a function that draws into an `egui::Ui`, reads what is open and what has been computed of it, remembers in [`Memory`] what
 //! concerns the drawing alone, and pushes what people do there as [`Action`](super::Action)s.
 
 mod angles;
