@@ -31,7 +31,7 @@ use crate::campaign::{Resources, run, statistics};
 use crate::error::shortened;
 use crate::io::Units;
 use crate::io::store::Store;
-use crate::progress::Progress;
+use crate::progress::{Progress, Shard};
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
 
@@ -76,6 +76,8 @@ pub fn characterize(
         None => (statistics(&campaign, progress)?, 0),
         Some(path) => {
             let store = plan.store(path, &[], &how.resources)?;
+            store.prepare_writing()?;
+            let _announced = store.announce(Shard::WHOLE);
             let outcome = run(&campaign, &store.axes().shard(0, 1), &store, progress)?;
             (store.statistics()?, outcome.repaired)
         }
