@@ -1,6 +1,6 @@
 //! `--shard i/n`, and what `--status` says of all parts of a job array.
 
-use barbule::error::counted;
+use barbule::error::shortened;
 use barbule::io::store::{Part, Run, Survey};
 use barbule::progress::{MOST_SHARDS, Shard};
 use barbule::{Error, Result};
@@ -21,7 +21,7 @@ pub(crate) fn count(text: &str) -> Result<usize> {
     text.trim().parse().ok().filter(|n| (1..=MOST_SHARDS).contains(n)).ok_or_else(|| {
         Error::input(format!(
             "--shards {}: give the number of parts, from 1 to {MOST_SHARDS}",
-            barbule::error::shortened(text)
+            shortened(text)
         ))
     })
 }
@@ -50,7 +50,7 @@ impl Parts {
         let mut lines: Vec<String> = shown().take(MOST_LINES).map(line).collect();
         match shown().count().saturating_sub(MOST_LINES) {
             0 => {}
-            more => lines.push(format!("and {} that are not done", counted(more, "more shard"))),
+            more => lines.push(format!("and {more} more that are not done")),
         }
         if let Some(left) = self.seconds_left() {
             lines.push(format!("those that run need about {} more", duration(left)));

@@ -54,6 +54,26 @@ impl Shard {
         let bound = |part: usize| (count as u128 * part as u128 / self.of as u128) as usize;
         bound(self.number)..bound(self.number + 1)
     }
+
+    /// The places of this part's units where each takes another time, `costs` in any unit: parts of about equal time, of neighbours in the
+    /// order of work. The same costs give the same parts.
+    #[must_use]
+    pub fn by_cost(self, costs: &[f64]) -> Vec<usize> {
+        let all: f64 = costs.iter().sum();
+        if !(all > 0.0 && all.is_finite()) {
+            return self.range(costs.len()).collect();
+        }
+        let mut before = 0.0;
+        let mut own = Vec::new();
+        for (place, cost) in costs.iter().enumerate() {
+            let middle = (before + 0.5 * cost) / all;
+            before += cost;
+            if ((middle * self.of as f64) as usize).min(self.of - 1) == self.number {
+                own.push(place);
+            }
+        }
+        own
+    }
 }
 
 impl FromStr for Shard {
@@ -93,6 +113,24 @@ mod tests {
             assert_eq!(next, count);
         }
         assert_eq!(Shard::WHOLE.range(7), 0..7);
+    }
+
+    #[test]
+    fn parts_by_cost_take_about_equal_time_and_are_together_everything() {
+        let costs: Vec<f64> = (0..25).map(|w| (400.0 / (400.0 + 12.0 * f64::from(w))).powi(3)).collect();
+        let all: f64 = costs.iter().sum();
+        for of in [1, 2, 5, 25, 40] {
+            let parts: Vec<Vec<usize>> = (0..of).map(|i| Shard::new(i, of).unwrap().by_cost(&costs)).collect();
+            assert_eq!(parts.concat(), (0..25).collect::<Vec<_>>());
+            for part in &parts {
+                let cost: f64 = part.iter().map(|place| costs[*place]).sum();
+                assert!(cost < all / of as f64 + 1.0, "{of} {part:?}");
+            }
+        }
+        // Where nothing is known of the costs they count as equal.
+        for unknown in [[0.0; 4], [f64::NAN; 4], [f64::INFINITY; 4]] {
+            assert_eq!(Shard::new(1, 2).unwrap().by_cost(&unknown), [2, 3]);
+        }
     }
 
     #[test]

@@ -76,7 +76,6 @@ pub fn characterize(
         None => (statistics(&campaign, progress)?, 0),
         Some(path) => {
             let store = plan.store(path, &[], &how.resources)?;
-            store.prepare_writing()?;
             let _announced = store.announce(Shard::WHOLE);
             let outcome = run(&campaign, &store.axes().shard(0, 1), &store, progress)?;
             (store.statistics()?, outcome.repaired)
