@@ -39,7 +39,8 @@ impl Parts {
     pub(crate) fn of(survey: &Survey, only: Option<Shard>, shards: Option<usize>) -> Self {
         let of = only.map(Shard::of).or(shards).or_else(|| survey.shards()).unwrap_or(0);
         let all = (0..of).filter_map(|number| Shard::new(number, of).ok());
-        let parts = all.filter(|shard| only.is_none_or(|only| only == *shard)).map(|shard| survey.part(shard));
+        let parts =
+            all.filter(|shard| only.is_none_or(|only| only == *shard)).map(|shard| survey.part(shard));
         Self { parts: parts.collect(), of }
     }
 
@@ -124,7 +125,9 @@ fn line(part: &Part) -> String {
     let how = match part.run {
         _ if part.is_done() => "done".to_owned(),
         Some(run) if run.is_alive => {
-            let left = part.left.map_or_else(String::new, |left| format!(", about {} left", duration(left.as_secs_f64())));
+            let left = part
+                .left
+                .map_or_else(String::new, |left| format!(", about {} left", duration(left.as_secs_f64())));
             format!("running for {} as process {}{left}", duration(run.since.as_secs_f64()), run.process)
         }
         Some(_) => "killed".to_owned(),
@@ -136,7 +139,8 @@ fn line(part: &Part) -> String {
 /// Rising numbers as schedulers take them: `0,3-7,12`.
 pub(crate) fn as_ranges(numbers: &[usize]) -> String {
     let ranges = numbers.chunk_by(|a, b| a + 1 == *b).filter_map(|run| Some((run.first()?, run.last()?)));
-    let words = ranges.map(|(first, last)| if first == last { first.to_string() } else { format!("{first}-{last}") });
+    let words =
+        ranges.map(|(first, last)| if first == last { first.to_string() } else { format!("{first}-{last}") });
     words.collect::<Vec<_>>().join(",")
 }
 
@@ -146,19 +150,19 @@ mod tests {
 
     #[test]
     fn numbers_are_written_as_schedulers_take_them() {
-        for (numbers, text) in [
-            (&[][..], ""),
-            (&[4], "4"),
-            (&[0, 1], "0-1"),
-            (&[0, 3, 4, 5, 7, 9, 10], "0,3-5,7,9-10"),
-        ] {
+        for (numbers, text) in
+            [(&[][..], ""), (&[4], "4"), (&[0, 1], "0-1"), (&[0, 3, 4, 5, 7, 9, 10], "0,3-5,7,9-10")]
+        {
             assert_eq!(as_ranges(numbers), text);
         }
     }
 
     #[test]
     fn values_that_share_nothing_out_are_refused_by_their_flag() {
-        assert_eq!(parse("2/2").unwrap_err().to_string(), "--shard 2/2: write i/n with 0 <= i < n, as in 0/4");
+        assert_eq!(
+            parse("2/2").unwrap_err().to_string(),
+            "--shard 2/2: write i/n with 0 <= i < n, as in 0/4"
+        );
         assert_eq!(parse("1/2").unwrap(), Shard::new(1, 2).unwrap());
         for bad in ["0", "x", "-1", "100001"] {
             assert!(count(bad).unwrap_err().to_string().ends_with("from 1 to 100000"), "{bad}");

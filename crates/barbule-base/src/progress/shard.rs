@@ -32,7 +32,9 @@ impl Shard {
         if number < of && of <= MOST_SHARDS {
             return Ok(Self { number, of });
         }
-        Err(Error::input(format!("part {number} of {of}: give i and n with 0 <= i < n, n up to {MOST_SHARDS}")))
+        Err(Error::input(format!(
+            "part {number} of {of}: give i and n with 0 <= i < n, n up to {MOST_SHARDS}"
+        )))
     }
 
     /// Which part this is, from 0.
@@ -84,9 +86,7 @@ impl FromStr for Shard {
         text.split_once('/')
             .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
             .and_then(|(number, of)| Self::new(number, of).ok())
-            .ok_or_else(|| {
-                Error::input(format!("{}: write i/n with 0 <= i < n, as in 0/4", shortened(text)))
-            })
+            .ok_or_else(|| Error::input(format!("{}: write i/n with 0 <= i < n, as in 0/4", shortened(text))))
     }
 }
 
@@ -120,7 +120,8 @@ mod tests {
         let costs: Vec<f64> = (0..25).map(|w| (400.0 / (400.0 + 12.0 * f64::from(w))).powi(3)).collect();
         let all: f64 = costs.iter().sum();
         for of in [1, 2, 5, 25, 40] {
-            let parts: Vec<Vec<usize>> = (0..of).map(|i| Shard::new(i, of).unwrap().by_cost(&costs)).collect();
+            let parts: Vec<Vec<usize>> =
+                (0..of).map(|i| Shard::new(i, of).unwrap().by_cost(&costs)).collect();
             assert_eq!(parts.concat(), (0..25).collect::<Vec<_>>());
             for part in &parts {
                 let cost: f64 = part.iter().map(|place| costs[*place]).sum();
@@ -137,7 +138,10 @@ mod tests {
     fn parts_that_are_none_are_refused() {
         for bad in ["", "1", "2/2", "-1/2", "0/0", "1/2/3", "0/100001", "a/b", "0.5/2", "1/", "/2"] {
             let error = bad.parse::<Shard>().unwrap_err();
-            assert!(error.is_input() && error.to_string().ends_with("0 <= i < n, as in 0/4"), "{bad}: {error}");
+            assert!(
+                error.is_input() && error.to_string().ends_with("0 <= i < n, as in 0/4"),
+                "{bad}: {error}"
+            );
         }
         let read: Shard = " 3 / 16".parse().unwrap();
         assert_eq!((read, read.to_string()), (Shard::new(3, 16).unwrap(), "3/16".to_owned()));

@@ -371,7 +371,9 @@ impl Args {
     fn own_frames(&self, exposure: Exposure) -> Result<Range<u32>> {
         let Some(shard) = self.shard else { return Ok(0..self.frames) };
         if self.frames == 1 {
-            return Err(Error::input("--shard: shares out the frames of a sequence, and there is one; give --frames"));
+            return Err(Error::input(
+                "--shard: shares out the frames of a sequence, and there is one; give --frames",
+            ));
         }
         if exposure.factor().is_none() {
             return Err(Error::input(

@@ -180,7 +180,8 @@ impl Args {
         let done = || plans.iter().map(|plan| plan.done(&units)).sum();
         if let Some(shard) = self.part() {
             let of_part = || done_of_part(&plans, shard, &units);
-            return self.compute(out, what, &of_part, &|progress| solve_part(&plans, shard, &units, progress));
+            return self
+                .compute(out, what, &of_part, &|progress| solve_part(&plans, shard, &units, progress));
         }
         self.say_found(done(), count, what);
         let progress = Terminal::new(&self.common);
@@ -207,7 +208,8 @@ impl Args {
         let (units, count) = (self.units(), plan.count());
         if let Some(shard) = self.part() {
             let of_part = || Ok(plan.done_of_part(shard, &units));
-            return self.compute(out, "far fields", &of_part, &|progress| plan.run_part(shard, &units, progress));
+            return self
+                .compute(out, "far fields", &of_part, &|progress| plan.run_part(shard, &units, progress));
         }
         self.say_found(plan.done(&units), count, "far fields");
         let progress = Terminal::new(&self.common);
@@ -240,7 +242,8 @@ impl Args {
             drop(progress);
             let done = || of_part().map_or(0, |[done, _]| done);
             outcome.map_err(|error| interrupted(error, done, count, what))?;
-            let words = format!("{} of {count} {what} of its part; the command without --shard draws", done());
+            let words =
+                format!("{} of {count} {what} of its part; the command without --shard draws", done());
             self.common.wrote(&self.folder.join(UNITS), &words);
         } else if !self.status {
             self.common.say("everything is there already: nothing to do");

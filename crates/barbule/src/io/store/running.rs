@@ -81,8 +81,8 @@ impl Store {
     }
 
     /// All processes of which the store knows, by their parts.
-    pub(super) fn runs(&self) -> Vec<Run> {
-        let mut runs = self.files.announced(SystemTime::now());
+    pub(super) fn runs(&self, now: SystemTime) -> Vec<Run> {
+        let mut runs = self.files.announced(now);
         runs.sort_by_key(|run| (run.shard.of(), run.shard.number(), !run.is_alive, run.since));
         runs
     }
@@ -148,8 +148,15 @@ mod tests {
         let name = name_of(shard, begun) + "x-7";
         assert_eq!(read_name(&name), Some((shard, begun, std::process::id())));
         let huge = format!("run-0-1-{}-1-x", u64::MAX);
-        for other in ["new-x", "run-", "run-2-2-5-1-x", "run-0-1-x-1-y", "run-0-1-5-9999999999-x", "run-0-1-5-1", &huge]
-        {
+        for other in [
+            "new-x",
+            "run-",
+            "run-2-2-5-1-x",
+            "run-0-1-x-1-y",
+            "run-0-1-5-9999999999-x",
+            "run-0-1-5-1",
+            &huge,
+        ] {
             assert_eq!(read_name(other), None, "{other}");
         }
     }

@@ -109,10 +109,10 @@ impl Store {
     /// Reads all units, and looks who computes.
     #[must_use]
     pub fn survey(&self) -> Survey {
-        // First: who ends meanwhile has finished units.
-        let runs = self.runs();
-        let units: Vec<_> = self.units().collect();
         let now = SystemTime::now();
+        // First: who ends meanwhile has finished units.
+        let runs = self.runs(now);
+        let units: Vec<_> = self.units().collect();
         let found = units
             .par_iter()
             .map(|&(wavelength, theta)| {
