@@ -18,7 +18,7 @@ pub(crate) fn parse(text: &str) -> Result<Shard> {
 
 /// What `--shards` is given.
 pub(crate) fn count(text: &str) -> Result<usize> {
-    text.trim().parse().ok().filter(|n| (1..=MOST_SHARDS).contains(n)).ok_or_else(|| {
+    text.trim().parse::<usize>().ok().filter(|n| (1..=MOST_SHARDS).contains(n)).ok_or_else(|| {
         Error::input(format!(
             "--shards {}: give the number of parts, from 1 to {MOST_SHARDS}",
             shortened(text)

@@ -137,6 +137,7 @@ fn values_that_share_nothing_out_are_refused() {
         ("simulate s.zarr --status --shards 0", "--shards 0: give the number of parts, from 1 to 100000"),
         ("simulate s.zarr --status --shards x", "--shards x: give the number of parts"),
         ("simulate s.zarr --status --shards 4 --shard 1/4", "cannot be used with"),
+        ("characterize starling -o m.barbule --shard 0/2", "--keep-store"),
         ("validate starling --full-wave --quick -o v --shard 3/3", "write i/n with 0 <= i < n"),
         ("validate starling --three-d --quick -o v --shard 1", "write i/n with 0 <= i < n"),
         ("render s.toml -o f.png --frames 4 --shard 4/4", "write i/n with 0 <= i < n"),
@@ -179,6 +180,37 @@ fn full_waves_of_several_processes_are_found_by_the_one_that_draws() {
     validate("s", &["--shard", "0/2"]);
     assert!(validate("s", &[]).1.contains("4 of 4 individuals' wavelengths are there from before"));
     assert_eq!(timeless(numbers("s")), timeless(numbers("alone")));
+}
+
+#[test]
+fn materials_and_halos_of_several_processes_are_those_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let words = "characterize air/keratin:300/air --halo --wavelengths 500,600 --directions 2x2 --instances 2 --cache c";
+    let words: Vec<&str> = words.split(' ').collect();
+    let characterize = |more: &[&str]| {
+        let output = run(at, &[&words[..], more].concat());
+        assert!(output.status.success(), "{}", said(&output));
+        (String::from_utf8_lossy(&output.stdout).into_owned(), said(&output))
+    };
+    characterize(&["-o", "alone.barbule"]);
+    std::fs::create_dir(at.join("stores")).unwrap();
+    let part = |shard: &'static str| ["--keep-store", "stores", "--shard", shard];
+    let (told, _) = characterize(&[&part("1/2")[..], &["--json"]].concat());
+    let told: Value = serde_json::from_str(&told).unwrap();
+    assert_eq!((&told["computed"], &told["found"]), (&json!(2), &json!(0)));
+    let kept = || {
+        let names = bytes_of(&at.join("stores")).into_keys();
+        names.filter(|name| name.ends_with(".unit")).count()
+    };
+    assert_eq!(kept(), 4);
+    let (_, message) = characterize(&[&part("0/2")[..], &["-o", "m.barbule"]].concat());
+    assert!(message.contains("-o has no effect here: a part is simulated"), "{message}");
+    assert!(kept() == 8 && !at.join("m.barbule").exists());
+    let store = told["store"].as_str().unwrap();
+    assert_eq!(states(&status(at, store, &["--shards", "2"])), ["done"; 2]);
+    characterize(&["--keep-store", "stores", "-o", "m.barbule"]);
+    assert!(std::fs::read(at.join("m.barbule")).unwrap() == std::fs::read(at.join("alone.barbule")).unwrap());
 }
 
 #[test]

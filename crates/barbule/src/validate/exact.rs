@@ -7,7 +7,7 @@ use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
 use crate::progress::{OnlyStops, Progress, Shard};
-use crate::solve::far_fields::{Effort, Prepared, Scattered};
+use crate::solve::far_fields::{Effort, Prepared, Scattered, SectionSolver as _};
 use crate::{Error, Result};
 
 /// One incidence by full waves; powers are parts of the incident power.

@@ -12,6 +12,7 @@ use tempfile::NamedTempFile;
 
 use super::Store;
 use super::aside::Files;
+use crate::clock;
 use crate::io::temporary::{ATTEMPTS, abandoned, shared};
 use crate::progress::Shard;
 
@@ -59,7 +60,7 @@ impl Store {
     /// Where this cannot be written, nobody sees it, and the work is the same.
     #[must_use = "what is announced ends with it"]
     pub fn announce(&self, shard: Shard) -> Announced<'_> {
-        let now = SystemTime::now();
+        let now = clock::now();
         *self.own() = self.files.announce(&name_of(shard, now)).ok().map(|file| Own { file, touched: now });
         Announced(self)
     }
@@ -70,7 +71,7 @@ impl Store {
 
     /// Shows, now and then, that this process lives.
     pub(super) fn show_life(&self) {
-        let now = SystemTime::now();
+        let now = clock::now();
         if let Some(own) = self.own().as_mut()
             && now.duration_since(own.touched).is_ok_and(|since| since > TOUCHED_EVERY)
         {
@@ -165,8 +166,8 @@ mod tests {
     fn the_living_are_told_from_the_killed() {
         let folder = tempfile::tempdir().unwrap();
         let files = Files::new(folder.path());
-        assert!(files.announced(SystemTime::now()).is_empty());
-        let (now, shard) = (SystemTime::now(), Shard::new(1, 4).unwrap());
+        assert!(files.announced(clock::now()).is_empty());
+        let (now, shard) = (clock::now(), Shard::new(1, 4).unwrap());
         let own = files.announce(&name_of(shard, now)).unwrap();
         fs::write(folder.path().join(".aside/run-2-4-1800000000-77-dead"), b"").unwrap();
         fs::write(folder.path().join(".aside/new-half"), b"half").unwrap();

@@ -1,11 +1,12 @@
 //! How far a store is: in all, and by the parts of a job array.
 
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use rayon::prelude::*;
 
 use super::running::Run;
 use super::{Status, Store};
+use crate::clock;
 use crate::progress::Shard;
 
 /// What is there of a unit.
@@ -109,7 +110,7 @@ impl Store {
     /// Reads all units, and looks who computes.
     #[must_use]
     pub fn survey(&self) -> Survey {
-        let now = SystemTime::now();
+        let now = clock::now();
         // First: who ends meanwhile has finished units.
         let runs = self.runs(now);
         let units: Vec<_> = self.units().collect();
