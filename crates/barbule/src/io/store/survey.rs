@@ -24,6 +24,7 @@ enum Found {
 pub struct Survey {
     /// In the order of work.
     found: Vec<Found>,
+    /// In the order of their parts.
     runs: Vec<Run>,
 }
 
@@ -85,8 +86,10 @@ impl Survey {
     pub fn part(&self, shard: Shard) -> Part {
         let found = &self.found[shard.range(self.found.len())];
         let status = status(found);
-        // The living stand before the killed.
-        let run = self.runs.iter().find(|run| run.shard == shard).copied();
+        // They are sorted by their parts, the living before the killed.
+        let order = |shard: Shard| (shard.of(), shard.number());
+        let at = self.runs.partition_point(|run| order(run.shard) < order(shard));
+        let run = self.runs.get(at).filter(|run| run.shard == shard).copied();
         let left = run.filter(|run| run.is_alive).and_then(|run| {
             let is_its = |found: &&Found| matches!(found, Found::Whole(age) if *age <= run.since);
             let computed = found.iter().filter(is_its).count();
