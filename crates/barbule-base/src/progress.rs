@@ -1,11 +1,13 @@
-//! How long work reports its progress and learns that it should stop. The library itself never prints.
+//! How long work is shared out, reports its progress and learns that it should stop. The library itself never prints.
 
 mod several;
+mod shard;
 mod shared;
 
 use std::time::Duration;
 
 pub use several::{Part, Several};
+pub use shard::{MOST_SHARDS, Shard};
 pub use shared::{Shared, Snapshot, left};
 
 /// Time since any moment. Whoever calls has it: a browser's is not the system's.

@@ -20,6 +20,7 @@ pub mod provenance;
 mod scene_arg;
 mod segment_args;
 pub mod sets;
+mod shard;
 pub mod structure_arg;
 
 pub use exhausted::EndsWhenExhausted;

@@ -16,10 +16,12 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// This version, this process's command line and its seed.
+    /// This version, this process's command line and its seed. How work was shared out decides nothing and is left out of the command:
+    /// what several processes write is the same bytes as one writes.
     #[must_use]
     pub fn new(common: &Common) -> Self {
         let words = std::env::args_os().skip(1).map(|word| quoted(&word.to_string_lossy()));
+        let words = without_shard(words.collect());
         let command = std::iter::once("barbule".to_owned()).chain(words).collect::<Vec<_>>().join(" ");
         let notes = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
@@ -147,6 +149,17 @@ pub fn csv_cell(text: &str) -> String {
     text.to_owned()
 }
 
+/// The words of a command line but for `--shard i/n`.
+fn without_shard(words: Vec<String>) -> Vec<String> {
+    let mut is_value = false;
+    let keeps = |word: &String| {
+        let is_left_out = std::mem::take(&mut is_value) || word.starts_with("--shard=");
+        is_value = !is_left_out && word == "--shard";
+        !(is_left_out || is_value)
+    };
+    words.into_iter().filter(keeps).collect()
+}
+
 /// A word as a shell needs it.
 pub(crate) fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_./:=,+@%".contains(c);
@@ -165,6 +178,15 @@ mod tests {
         assert_eq!(quoted("--angle=-20"), "--angle=-20");
         assert_eq!(quoted("air/6*(keratin:5)/air"), "'air/6*(keratin:5)/air'");
         assert_eq!(quoted("it's"), "'it'\\''s'");
+    }
+
+    #[test]
+    fn how_work_was_shared_out_is_no_part_of_the_command() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        for text in ["a --shard 1/3 --b", "a --shard=1/3 --b", "a --b --shard 0/2"] {
+            assert_eq!(without_shard(words(text)), ["a", "--b"], "{text}");
+        }
+        assert_eq!(without_shard(words("a --shards 3")), ["a", "--shards", "3"]);
     }
 
     #[test]

@@ -4,18 +4,19 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::brdf::fit::FitOptions;
-use barbule::campaign::{Keep, Resources, Results};
+use barbule::campaign::{Keep, Outcome, Resources, Results};
 use barbule::characterize::{
-    Catalog, Characterized, Execution, HaloPlan, Plan, characterize, check, thinned,
+    Catalog, Characterized, Execution, HaloPlan, Plan, characterize, characterize_part, check, thinned,
 };
 use barbule::io::{check_writable, write_material};
+use barbule::progress::Shard;
 use barbule::{Error, Result};
 
 use crate::campaign::{CampaignArgs, FitArgs, expected, say_repaired, summary, units_at_once};
 use crate::common::{Common, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::structure_arg::SideArg;
-use crate::{materials, structure_arg};
+use crate::{materials, shard, structure_arg};
 
 /// Arguments of `barbule characterize`.
 #[derive(Debug, clap::Args)]
@@ -32,6 +33,9 @@ pub(crate) struct Args {
     /// Keep the campaign store in this folder
     #[arg(long, value_name = "DIR")]
     keep_store: Option<PathBuf>,
+    /// With --keep-store: only simulate part i of n (i from 0), for several processes; the command without it then makes the material
+    #[arg(long, value_name = "i/n", requires = "keep_store", allow_hyphen_values = true, value_parser = shard::parse)]
+    shard: Option<Shard>,
     /// Simulate segments in three dimensions too: the light along the barbule beside σ, and what is reflected
     #[arg(long)]
     halo: bool,
@@ -53,6 +57,9 @@ impl Args {
         let plan = self.campaign.plan(structure, &self.common)?;
         let options = FitOptions { halo: self.halo, ..self.fit.options()? };
         check(&plan, &options)?;
+        if let Some(shard) = self.shard {
+            return self.part(out, &plan, &options, shard);
+        }
         let output = match &self.output {
             Some(path) => path.clone(),
             None => Catalog { cache: Some(materials::cache_folder(&self.common)?) }.path(&plan, &options)?,
@@ -86,6 +93,40 @@ impl Args {
         }
         if self.output.is_none() {
             return print(out, &output.to_string_lossy());
+        }
+        Ok(())
+    }
+}
+
+impl Args {
+    /// Simulates a part, and makes no material.
+    fn part(&self, out: &mut dyn Write, plan: &Plan, options: &FitOptions, shard: Shard) -> Result<()> {
+        if self.output.is_some() {
+            self.common
+                .idle("-o", "a part is simulated and no material made; the command without --shard makes it");
+        }
+        let Some(folder) = &self.keep_store else {
+            return Err(Error::input("--shard: parts meet in a store; give its folder by --keep-store"));
+        };
+        let store = store_path(folder, plan)?;
+        let units_at_once = units_at_once(plan, Keep::Statistics, Results::Stored, &self.common)?;
+        let resources = Resources { width: self.campaign.width(), units_at_once };
+        let how = Execution { resources, store: Some(&store) };
+        let progress = Terminal::new(&self.common);
+        let catalog = materials::catalog(&self.common);
+        let outcome = characterize_part(plan, options, shard, &catalog, &how, &progress)?;
+        drop(progress);
+        say_repaired(outcome.repaired, &self.common);
+        let Outcome { computed, found, .. } = outcome;
+        let name = plan.structure.name();
+        self.common.wrote(
+            &store,
+            &format!("part {shard} of the campaign of {name}, {computed} units computed, {found} found"),
+        );
+        if self.common.json {
+            let document =
+                serde_json::json!({ "store": path_json(&store), "computed": computed, "found": found });
+            return print_json(out, &document);
         }
         Ok(())
     }

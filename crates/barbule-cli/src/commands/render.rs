@@ -9,6 +9,7 @@ mod noise;
 mod presets;
 
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -19,6 +20,7 @@ use barbule::open;
 use barbule::picture::{
     Cleaner, Denoise, Quality, Set, bytes_needed, check_alpha, check_colours, check_kind, is_exr,
 };
+use barbule::progress::Shard;
 use barbule::render::film::check_size;
 use barbule::render::planes::{Bands, Planes};
 use barbule::render::run::{Ended, Goal, ROUND, TimeLimit};
@@ -35,8 +37,7 @@ use self::flags::Seer;
 use self::job::{Job, Wardrobe};
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
-use crate::sets;
-use crate::{materials, scene_arg};
+use crate::{materials, scene_arg, sets, shard};
 
 /// Arguments of `barbule render`.
 #[derive(Debug, clap::Args)]
@@ -121,6 +122,9 @@ pub(crate) struct Args {
     /// This many pictures F-0000, F-0001 … in which the key light swings, or what --arc and --path say
     #[arg(long, value_name = "N", default_value_t = 1)]
     frames: u32,
+    /// Frames: only part i of n (i from 0) of them, for several processes; the exposure is then to be a factor
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
+    shard: Option<Shard>,
     /// Frames: light, camera or feather swings over this arc about where it stands; 360 goes once round (repeatable)
     #[arg(long, value_name = "WHAT=DEG", value_parser = flags::arc)]
     arc: Vec<(Moved, Motion)>,
@@ -162,13 +166,14 @@ impl Args {
         // What the flags ask for is refused before anything is read or made.
         self.frame_descriptions(&description)?;
         check_size(size)?;
-        let files: Vec<PathBuf> = (0..self.frames).map(|frame| self.file(frame)).collect();
+        let own = self.own_frames(description.exposure)?;
+        let files: Vec<PathBuf> = own.clone().map(|frame| self.file(frame)).collect();
         let check = |flag: &str, file: &Path| {
             let fits = check_kind(file).and_then(|()| check_alpha(file, &description.background));
             fits.map_err(|e| e.at(flag)).and_then(|()| check_writable(file))
         };
         files.iter().try_for_each(|file| check("-o", file))?;
-        (0..self.frames)
+        own.clone()
             .filter_map(|frame| self.human_file(frame))
             .try_for_each(|file| check("--human", &file))?;
         let planes = self.planes()?;
@@ -181,7 +186,8 @@ impl Args {
         let checkpoints = Checkpoints::new(&self.common, self.resume);
         let (mut reports, mut all_done) = (Vec::new(), true);
         let mut exposure = scene.exposure;
-        for (index, (frame, file)) in (0..).zip(self.frames_of(&scene)?.into_iter().zip(&files)) {
+        let frames = self.frames_of(&scene)?.into_iter().skip(own.start as usize);
+        for (index, (frame, file)) in own.zip(frames.zip(&files)) {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
             let human = self.human_file(index);
@@ -359,6 +365,24 @@ impl Args {
             None => Ok(vec![scene.clone()]),
             Some(moves) => scene.frames(&moves, self.frames).map_err(|e| e.at("--frames")),
         }
+    }
+
+    /// The frames that this process draws.
+    fn own_frames(&self, exposure: Exposure) -> Result<Range<u32>> {
+        let Some(shard) = self.shard else { return Ok(0..self.frames) };
+        if self.frames == 1 {
+            return Err(Error::input(
+                "--shard: shares out the frames of a sequence, and there is one; give --frames",
+            ));
+        }
+        if exposure.factor().is_none() {
+            return Err(Error::input(
+                "--shard: a sequence is exposed as its first frame, which other processes do not see; give a factor by --exposure, as `exposure` of --json says it of the first frame",
+            ));
+        }
+        let own = shard.range(self.frames as usize);
+        // Not over the number of frames.
+        Ok(own.start as u32..own.end as u32)
     }
 
     /// What moves from frame to frame; nothing where there is one.

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::campaign::{Keep, Resources, Results, run};
-use barbule::io::store::{Status, Store};
+use barbule::io::store::{Status, Store, Survey};
+use barbule::progress::Shard;
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 use serde_json::json;
@@ -13,12 +14,14 @@ use crate::campaign::{CampaignArgs, say_repaired, units_at_once};
 use crate::common::{Common, print, print_json};
 use crate::materials::catalog;
 use crate::progress::Terminal;
+use crate::shard::{self, Parts};
 use crate::structure_arg::{self, SideArg};
 
 /// Arguments of `barbule simulate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  barbule simulate starling --thin 4 -o starling.zarr\n  \
     barbule simulate starling.zarr --status\n  \
+    barbule simulate starling.zarr --status --shards 16\n  \
     barbule simulate starling --side below --thin 10 -o underside.zarr\n\n\
     Of a structure that is not its own mirror image (given sections, lattices) both signs of φ_i are simulated; -v says so.")]
 pub(crate) struct Args {
@@ -28,11 +31,15 @@ pub(crate) struct Args {
     #[arg(short, long, value_name = "S.zarr", required_unless_present = "status")]
     output: Option<PathBuf>,
     /// Only part i of n (i from 0) of the units, for several processes on one store
-    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard)]
-    shard: Option<(usize, usize)>,
-    /// Say what of a store is done
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
+    shard: Option<Shard>,
+    /// Say what of a store is done, and who computes the rest
     #[arg(long)]
     status: bool,
+    /// With --status: what of each of n parts is done [default: as many as those that run have]
+    #[arg(long, value_name = "n", requires = "status", conflicts_with = "shard", allow_hyphen_values = true,
+        value_parser = shard::count)]
+    shards: Option<usize>,
     /// Keep the fields of every instance at these wavelengths (nm)
     #[arg(long, value_name = "SET", value_parser = crate::sets::wavelength_set)]
     keep_fields: Option<Wavelengths>,
@@ -51,7 +58,7 @@ impl Args {
             return self.report(out);
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
-        let (shard, shards) = self.shard.unwrap_or((0, 1));
+        let shard = self.shard.unwrap_or(Shard::WHOLE);
         let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
         let plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_ref().map_or(&[][..], Wavelengths::nm);
@@ -60,7 +67,7 @@ impl Args {
         let units_at_once = units_at_once(&plan, keep, Results::Stored, &self.common)?;
         let resources = Resources { width, units_at_once };
         let store = plan.store(path, kept, &resources)?;
-        let units = store.axes().shard(shard, shards);
+        let units = store.axes().shard(shard.number(), shard.of());
         let coordinates = store.damaged_coordinates();
         if !coordinates.is_empty() {
             store.prepare_writing()?;
@@ -73,6 +80,7 @@ impl Args {
             }
         } else {
             store.prepare_writing()?;
+            let _announced = store.announce(shard);
             let progress = Terminal::new(&self.common);
             let outcome = plan
                 .campaign(&resources, &catalog(&self.common), &progress)
@@ -92,23 +100,28 @@ impl Args {
             self.common.wrote(path, &what);
         }
         if self.common.json {
-            return print_json(out, &status(&store));
+            return print_json(out, &status(&store, &store.survey()));
         }
         Ok(())
     }
 
     fn report(&self, out: &mut dyn Write) -> Result<()> {
         let store = Store::open(self.output.as_deref().unwrap_or(self.structure.as_ref()))?;
+        let survey = store.survey();
+        let parts = Parts::of(&survey, self.shard, self.shards);
         if self.common.json {
-            return print_json(out, &status(&store));
+            let mut document = status(&store, &survey);
+            document["shards"] = parts.json();
+            return print_json(out, &document);
         }
-        let Status { units, done, damaged: broken } = store.status();
+        let Status { units, done, damaged: broken } = survey.status();
         let text = format!(
             "{}: {done} of {units} units done, {} missing, {broken} damaged",
             store.name(),
             units - done - broken
         );
         print(out, &text)?;
+        parts.lines().iter().try_for_each(|line| print(out, line))?;
         let coordinates = store.damaged_coordinates();
         if coordinates.is_empty() {
             return Ok(());
@@ -122,8 +135,8 @@ pub(super) fn damaged(coordinates: &[&str]) -> String {
     format!("missing or damaged coordinates: {}", coordinates.join(", "))
 }
 
-fn status(store: &Store) -> serde_json::Value {
-    let status = store.status();
+fn status(store: &Store, survey: &Survey) -> serde_json::Value {
+    let status = survey.status();
     json!({
         "name": store.name(),
         "units": status.units,
@@ -132,13 +145,6 @@ fn status(store: &Store) -> serde_json::Value {
         "damaged": status.damaged,
         "damaged_coordinates": store.damaged_coordinates(),
         "simd": store.width(),
+        "running": shard::running(survey),
     })
-}
-
-/// `i/n` with 0 ≤ i < n.
-fn shard(text: &str) -> Result<(usize, usize)> {
-    text.split_once('/')
-        .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
-        .filter(|(i, n)| i < n && *n <= 100_000)
-        .ok_or_else(|| Error::input(format!("--shard {text}: write i/n with 0 <= i < n, as in 0/4")))
 }

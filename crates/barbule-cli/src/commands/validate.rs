@@ -9,21 +9,22 @@ use barbule::error::shortened;
 use barbule::io::{Units, claim_output, files_in, make_folder, write_together};
 use barbule::open::Located;
 use barbule::plot::{Drawing, Format};
+use barbule::progress::{Progress, Shard};
 use barbule::solve::cost::Cost;
 use barbule::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
 use barbule::solve::{FAST, SHADOWED};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::{Beneath, Ends, Smoothing, SpeciesModel, Structure};
-use barbule::validate::{Plan, run_all, three_d, usual_azimuths};
+use barbule::validate::{Plan, done_of_part, run_all, solve_part, three_d, usual_azimuths};
 use barbule::{Error, Result};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::common::{Common, duration, print, print_json};
 use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::segment_args::SegmentArgs;
-use crate::{sets, structure_arg};
+use crate::{sets, shard, structure_arg};
 
 /// The wavelengths of full waves unless others are asked for: first, step (nm) and number. In steps of 24.5 nm colours can still be told.
 const USUAL_NM: [f64; 3] = [400.0, 12.0, 25.0];
@@ -50,7 +51,8 @@ const DIRECTIONS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [0.0, 30.0], [30.0, 30.0]];
 #[command(after_help = "Examples:\n  barbule validate starling --full-wave --quick -o starling-quick\n  \
     barbule validate hummingbird:anna --full-wave --width 10 --layers 5 --ensemble 5 -o anna\n  \
     barbule validate starling --three-d --quick -o starling-three-d\n\n\
-    What is done is kept in the folder's `units`: after Ctrl-C the same command goes on.")]
+    What is done is kept in the folder's `units`: after Ctrl-C the same command goes on. With --shard i/n several processes, on machines \
+    that share the folder, compute a part each; the command without it then draws.")]
 #[command(group = clap::ArgGroup::new("against").required(true).args(["full_wave", "three_d"]))]
 pub(crate) struct Args {
     #[arg(help = structure_arg::HELP)]
@@ -106,6 +108,12 @@ pub(crate) struct Args {
     /// Less of all: a barbule 6 µm wide at 13 wavelengths from 0° and 30° against full waves, few segments at three wavelengths
     #[arg(long)]
     quick: bool,
+    /// Only compute and keep part i of n (i from 0), for several processes on one folder
+    #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
+    shard: Option<Shard>,
+    /// Say how much of the work is done, with --shard of that part, and do nothing
+    #[arg(long)]
+    status: bool,
     /// Folder for figures, numbers.json and tables
     #[arg(short = 'o', long = "output", value_name = "FOLDER")]
     folder: PathBuf,
@@ -170,6 +178,11 @@ impl Args {
         let count = plans.iter().map(|plan| plan.wavelengths.len()).sum();
         let what = if plans.len() > 1 { "individuals' wavelengths" } else { "wavelengths" };
         let done = || plans.iter().map(|plan| plan.done(&units)).sum();
+        if let Some(shard) = self.part() {
+            let of_part = || done_of_part(&plans, shard, &units);
+            return self
+                .compute(out, what, &of_part, &|progress| solve_part(&plans, shard, &units, progress));
+        }
         self.say_found(done(), count, what);
         let progress = Terminal::new(&self.common);
         let ensemble = run_all(&plans, Some(&units), &progress);
@@ -193,6 +206,11 @@ impl Args {
             cost.bytes as f64 / 1e9
         ));
         let (units, count) = (self.units(), plan.count());
+        if let Some(shard) = self.part() {
+            let of_part = || Ok(plan.done_of_part(shard, &units));
+            return self
+                .compute(out, "far fields", &of_part, &|progress| plan.run_part(shard, &units, progress));
+        }
         self.say_found(plan.done(&units), count, "far fields");
         let progress = Terminal::new(&self.common);
         let comparison = plan.run(Some(&units), &progress);
@@ -201,6 +219,44 @@ impl Args {
             comparison.map_err(|error| interrupted(error, || plan.done(&units), count, "far fields"))?;
         let name = comparison.plan.structure.name();
         self.write(out, &name, comparison.numbers(), comparison.figures(), &[], &comparison.table())
+    }
+
+    /// The part of the work that is asked for or about, where nothing is to be drawn.
+    fn part(&self) -> Option<Shard> {
+        self.shard.or(self.status.then_some(Shard::WHOLE))
+    }
+
+    /// Computes and keeps a part of the work, unless only its state is asked for; says how many of its units are there, and how many it has.
+    fn compute(
+        &self,
+        out: &mut dyn Write,
+        what: &str,
+        of_part: &dyn Fn() -> Result<[usize; 2]>,
+        work: &dyn Fn(&dyn Progress) -> Result<()>,
+    ) -> Result<()> {
+        let [found, count] = of_part()?;
+        if !self.status && found < count {
+            self.say_found(found, count, what);
+            let progress = Terminal::new(&self.common);
+            let outcome = work(&progress);
+            drop(progress);
+            let done = || of_part().map_or(0, |[done, _]| done);
+            outcome.map_err(|error| interrupted(error, done, count, what))?;
+            let words =
+                format!("{} of {count} {what} of its part; the command without --shard draws", done());
+            self.common.wrote(&self.folder.join(UNITS), &words);
+        } else if !self.status {
+            self.common.say("everything is there already: nothing to do");
+        }
+        let [done, _] = if self.status { [found, count] } else { of_part()? };
+        if self.common.json {
+            let missing = count - done;
+            return print_json(out, &json!({"units": count, "done": done, "missing": missing}));
+        }
+        if self.status {
+            return print(out, &format!("{done} of {count} {what} done, {} missing", count - done));
+        }
+        Ok(())
     }
 
     /// Where what is done is kept.

@@ -32,6 +32,7 @@ mod presets;
 mod refusals;
 mod render;
 mod robustness;
+mod shards;
 mod sides;
 mod species;
 mod spectrum;

@@ -140,7 +140,7 @@ fn layers_that_air_parts_end_freely_or_in_walls() {
 }
 
 /// Numbers without what made them and how long it took.
-fn timeless(mut value: Value) -> Value {
+pub(crate) fn timeless(mut value: Value) -> Value {
     fn strip(value: &mut Value) {
         match value {
             Value::Object(fields) => {

@@ -16,7 +16,7 @@ use crate::brdf::Halo;
 use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
-use crate::progress::{OnlyStops, Progress};
+use crate::progress::{OnlyStops, Progress, Shard};
 use crate::scattering::far_field::{Illumination, Polarization, Window};
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
@@ -118,15 +118,11 @@ impl HaloPlan {
     pub fn measure(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Halo> {
         let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
         progress.begin("segments", self.count() as u64);
-        let mut knots = Vec::new();
-        for &nm in &self.wavelengths_nm {
-            for cos_theta in COSINES {
-                for cos_phi in COSINES {
-                    let direction = [libm::acos(cos_theta), libm::acos(cos_phi)];
-                    knots.push(self.kept_knot(nm, direction, &instances, units, progress)?);
-                }
-            }
-        }
+        let knots = self
+            .lights()
+            .into_iter()
+            .map(|(nm, direction)| self.kept_knot(nm, direction, &instances, units, progress))
+            .collect::<Result<Vec<_>>>()?;
         let shares = (0..SIGMAS.len()).flat_map(|part| knots.iter().map(move |knot| knot.share(part)));
         Ok(Halo {
             sigma: SIGMAS.to_vec(),
@@ -137,6 +133,37 @@ impl HaloPlan {
             shares: shares.collect(),
             power: knots.iter().map(Knot::power).collect(),
         })
+    }
+
+    /// Simulates and keeps a part of what [`Self::measure`] then finds, of about equal time, whoever simulated it. What is there from before
+    /// takes no time.
+    ///
+    /// # Errors
+    /// As [`Self::measure`]; what is kept till then stays.
+    pub fn measure_part(&self, shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
+        let lights = self.lights();
+        // As many cells are in a segment as squares of wavelengths.
+        let costs: Vec<f64> = lights.iter().map(|(nm, _)| nm.powi(-2)).collect();
+        let mut own: Vec<_> = shard.by_cost(&costs).into_iter().map(|place| lights[place]).collect();
+        own.retain(|&(nm, direction)| self.kept(nm, direction, units).is_none());
+        if own.is_empty() {
+            return Ok(());
+        }
+        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
+        progress.begin("segments", (own.len() * self.instances) as u64);
+        own.into_iter().try_for_each(|(nm, direction)| {
+            self.kept_knot(nm, direction, &instances, Some(units), progress).map(|_| ())
+        })
+    }
+
+    /// Wavelength, nm, and θ_i and φ_i, rad, of all light.
+    fn lights(&self) -> Vec<(f64, [f64; 2])> {
+        let directions = COSINES.into_iter().flat_map(|cos_theta| {
+            COSINES.into_iter().map(move |cos_phi| [libm::acos(cos_theta), libm::acos(cos_phi)])
+        });
+        let directions: Vec<[f64; 2]> = directions.collect();
+        let of = |&nm: &f64| directions.iter().map(|direction| (nm, *direction)).collect::<Vec<_>>();
+        self.wavelengths_nm.iter().flat_map(of).collect()
     }
 
     /// Given sections serve again with other heights when there are no more.
@@ -154,15 +181,18 @@ impl HaloPlan {
         units: Option<&Units>,
         progress: &dyn Progress,
     ) -> Result<Knot> {
-        let [theta, phi] = direction.map(|angle| angle.to_degrees().round());
-        let (name, identity) = (format!("halo-{theta}-{phi}-{nm}nm"), self.identity(nm, direction));
-        if let Some(knot) = units.and_then(|units| units.get(&name, &identity)) {
+        if let Some(knot) = units.and_then(|units| self.kept(nm, direction, units)) {
             progress.advance(instances.len() as u64);
             return Ok(knot);
         }
         let knot = self.knot(nm, direction, instances, progress)?;
-        units.map_or(Ok(()), |units| units.keep(&name, &identity, &knot))?;
+        let keep = |units: &Units| units.keep(&name_of(nm, direction), &self.identity(nm, direction), &knot);
+        units.map_or(Ok(()), keep)?;
         Ok(knot)
+    }
+
+    fn kept(&self, nm: f64, direction: [f64; 2], units: &Units) -> Option<Knot> {
+        units.get(&name_of(nm, direction), &self.identity(nm, direction))
     }
 
     fn knot(
@@ -238,6 +268,12 @@ impl HaloPlan {
             .numbers("direction", &direction);
         hasher.hex()
     }
+}
+
+/// What a knot is called where it is kept.
+fn name_of(nm: f64, direction: [f64; 2]) -> String {
+    let [theta, phi] = direction.map(|angle| angle.to_degrees().round());
+    format!("halo-{theta}-{phi}-{nm}nm")
 }
 
 /// Adds the light of each row of directions, in parts of what falls on the segment.

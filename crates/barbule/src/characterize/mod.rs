@@ -27,11 +27,11 @@ use serde_json::json;
 
 use crate::brdf::fit::{FitOptions, FitReport, LobeForm, fit};
 use crate::brdf::{FeatherMaterial, check_axes, check_sigma};
-use crate::campaign::{Resources, run, statistics};
+use crate::campaign::{Outcome, Resources, run, statistics};
 use crate::error::shortened;
 use crate::io::Units;
 use crate::io::store::Store;
-use crate::progress::Progress;
+use crate::progress::{Progress, Shard};
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
 
@@ -76,6 +76,7 @@ pub fn characterize(
         None => (statistics(&campaign, progress)?, 0),
         Some(path) => {
             let store = plan.store(path, &[], &how.resources)?;
+            let _announced = store.announce(Shard::WHOLE);
             let outcome = run(&campaign, &store.axes().shard(0, 1), &store, progress)?;
             (store.statistics()?, outcome.repaired)
         }
@@ -83,13 +84,49 @@ pub fn characterize(
     let name = plan.structure.name();
     let (mut material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
     if options.halo {
-        // Beside the store, which is of 2.5D alone.
-        let units = how.store.map(|path| Units::new(&path.with_extension("halo")));
+        let units = how.store.map(halo_units);
         let halo = HaloPlan::new(plan);
         material.halo = Some(halo.measure(units.as_ref(), progress)?);
         material.info["halo"] = halo.info();
     }
     Ok(Characterized { material, report, repaired })
+}
+
+/// Simulates a part of a plan into its store, and of its halo if `options` ask for it: [`characterize`] then finds it there, whoever
+/// simulated it.
+///
+/// # Errors
+/// As [`characterize`]; there is no store.
+pub fn characterize_part(
+    plan: &Plan,
+    options: &FitOptions,
+    shard: Shard,
+    catalog: &Catalog,
+    how: &Execution<'_>,
+    progress: &dyn Progress,
+) -> Result<Outcome> {
+    check(plan, options)?;
+    let Some(path) = how.store else {
+        return Err(Error::input("parts of a campaign meet in its store; name one"));
+    };
+    let store = plan.store(path, &[], &how.resources)?;
+    let units = store.axes().shard(shard.number(), shard.of());
+    let outcome = if units.iter().all(|unit| store.is_whole(unit.wavelength, unit.theta)) {
+        // Nothing is prepared for nothing.
+        Outcome { computed: 0, found: units.len(), repaired: 0 }
+    } else {
+        let _announced = store.announce(shard);
+        run(&plan.campaign(&how.resources, catalog, progress)?, &units, &store, progress)?
+    };
+    if options.halo {
+        HaloPlan::new(plan).measure_part(shard, &halo_units(path), progress)?;
+    }
+    Ok(outcome)
+}
+
+/// Where a halo's units are: beside the store, which is of 2.5D alone.
+fn halo_units(store: &Path) -> Units {
+    Units::new(&store.with_extension("halo"))
 }
 
 /// Refuses, before any work, a plan of which no material can be made.

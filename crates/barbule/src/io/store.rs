@@ -8,17 +8,22 @@
 mod aside;
 mod coordinates;
 mod layout;
+mod running;
+mod survey;
 #[cfg(test)]
 mod tests;
 
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use num_complex::Complex;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 
 pub(super) use self::aside::{Files, create_folder, sweep_beside};
 use self::layout::{ARRAYS, Arrays, Attributes};
+use self::running::Own;
+pub use self::running::{Announced, Run};
+pub use self::survey::{Part, Survey};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
@@ -52,6 +57,8 @@ pub struct Store {
     arrays: Arrays,
     /// BLAKE3 of the attributes, in hexadecimal.
     hash: String,
+    /// What says that this process computes, while it does.
+    own: Mutex<Option<Own>>,
 }
 
 impl Store {
@@ -143,7 +150,8 @@ impl Store {
             return Err(refuse("its parameters do not match their checksum"));
         }
         let hash = attributes.hash();
-        Ok(Self { path: path.to_owned(), files: Files::new(path), attributes, arrays, hash })
+        let (path, files) = (path.to_owned(), Files::new(path));
+        Ok(Self { path, files, attributes, arrays, hash, own: Mutex::default() })
     }
 
     /// Refuses to be filled by a campaign with other axes or another number of instances.
@@ -182,13 +190,7 @@ impl Store {
     /// How many units are done, missing and damaged; reads them all.
     #[must_use]
     pub fn status(&self) -> Status {
-        let units: Vec<_> = self.units().collect();
-        let count = |pick: &(dyn Fn(usize, usize) -> bool + Sync)| {
-            units.par_iter().filter(|&&(w, t)| pick(w, t)).count()
-        };
-        let present = count(&|w, t| self.is_done(w, t));
-        let done = count(&|w, t| self.is_whole(w, t));
-        Status { units: units.len(), done, damaged: present.saturating_sub(done) }
+        self.survey().status()
     }
 
     /// The names of the coordinates (`wavelength`, `theta_i` …) that are missing or not as the attributes say. Units do not
@@ -305,6 +307,7 @@ impl Store {
         digests[7] = self.write_chunk(&arrays[7], at, &unit.contrast)?;
         digests[8] = self.write_chunk(&arrays[8], at, &unit.glints)?;
         self.write_chunk(&self.arrays.digest, at, &digests)?;
+        self.show_life();
         Ok(())
     }
 

@@ -52,7 +52,7 @@ pub(super) fn sweep(folder: &Path, is_ours: impl Fn(&str) -> bool) -> usize {
 }
 
 /// A temporary file or folder whose writer is gone, locked if it can be; `None` if somebody writes it.
-fn abandoned(path: &Path) -> Option<io::Result<File>> {
+pub(super) fn abandoned(path: &Path) -> Option<io::Result<File>> {
     let metadata = fs::symlink_metadata(path).ok()?;
     let opened = if metadata.is_dir() {
         File::open(path)

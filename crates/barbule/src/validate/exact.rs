@@ -6,8 +6,8 @@ use super::{Plan, unpolarized};
 use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
-use crate::progress::{OnlyStops, Progress};
-use crate::solve::far_fields::{Effort, Prepared, Scattered};
+use crate::progress::{OnlyStops, Progress, Shard};
+use crate::solve::far_fields::{Effort, Prepared, Scattered, SectionSolver as _};
 use crate::{Error, Result};
 
 /// One incidence by full waves; powers are parts of the incident power.
@@ -101,6 +101,51 @@ impl Plan {
             .number("elements", self.full.elements_per_wavelength);
         hasher.hex()
     }
+}
+
+/// Solves and keeps full waves of one part of the wavelengths of several individuals, of about equal time: [`run_all`](super::run_all)
+/// then finds them, whoever solved them. Those that are there from before take no time.
+///
+/// # Errors
+/// As the solver; a unit cannot be written; or the user cancelled, what is kept till then stays.
+pub fn solve_part(plans: &[Plan], shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
+    let own = part_of(plans, shard)?;
+    progress.begin("full waves", own.len() as u64);
+    for alike in own.chunk_by(|a, b| a.0 == b.0) {
+        let plan = &plans[alike[0].0];
+        let exact = plan.full.prepare(&plan.closed.regions)?;
+        for &(_, wavelength) in alike {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            plan.solved(&*exact, plan.wavelengths.nm()[wavelength], Some(units), progress)?;
+            progress.advance(1);
+        }
+    }
+    Ok(())
+}
+
+/// How many wavelengths of a part are there from before, and how many it has.
+///
+/// # Errors
+/// A section does not suit the solver.
+pub fn done_of_part(plans: &[Plan], shard: Shard, units: &Units) -> Result<[usize; 2]> {
+    let own = part_of(plans, shard)?;
+    let is_there =
+        |(plan, w): &&(usize, usize)| plans[*plan].kept(units, plans[*plan].wavelengths.nm()[*w]).is_some();
+    Ok([own.iter().filter(is_there).count(), own.len()])
+}
+
+/// The plans and wavelengths, by their places, of a part.
+fn part_of(plans: &[Plan], shard: Shard) -> Result<Vec<(usize, usize)>> {
+    let mut all = Vec::new();
+    let mut costs = Vec::new();
+    for (place, plan) in plans.iter().enumerate() {
+        all.extend((0..plan.wavelengths.len()).map(|wavelength| (place, wavelength)));
+        // On one thread: parts are the same wherever they are computed.
+        costs.extend(plan.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default()));
+    }
+    Ok(shard.by_cost(&costs).into_iter().map(|place| all[place]).collect())
 }
 
 fn unit_name(wavelength_nm: f64) -> String {

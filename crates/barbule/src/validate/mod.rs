@@ -8,6 +8,7 @@ mod spread;
 pub mod three_d;
 
 pub use ensemble::Ensemble;
+pub use exact::{done_of_part, solve_part};
 pub use numbers::{Case, Comparison, Incidence, tells_colours};
 pub use spread::Spread;
 

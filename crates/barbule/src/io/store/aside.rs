@@ -5,7 +5,9 @@
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
+use super::running;
 use crate::io::temporary::{ATTEMPTS, again, shared, sweep};
 use crate::io::whole::{failure, folder_of};
 use crate::{Error, Result};
@@ -32,6 +34,17 @@ impl Files {
     /// Whether there is a file of this key.
     pub(super) fn has(&self, key: &str) -> bool {
         self.folder.join(key).is_file()
+    }
+
+    /// Since when there is a file of this key; nothing where there is none, or its time lies ahead.
+    pub(super) fn age(&self, key: &str, now: SystemTime) -> Duration {
+        let modified = fs::metadata(self.folder.join(key)).and_then(|metadata| metadata.modified());
+        modified.ok().and_then(|at| now.duration_since(at).ok()).unwrap_or_default()
+    }
+
+    /// The folder of temporaries.
+    pub(super) fn aside(&self) -> &Path {
+        &self.aside
     }
 
     /// Reads a file; `None` where there is none, it cannot be read, or has more than `most` bytes.
@@ -80,7 +93,7 @@ impl Files {
 
     /// Deletes what writers left that are no more; says how many files.
     pub(super) fn sweep(&self) -> usize {
-        sweep(&self.aside, |name| name.starts_with(PREFIX))
+        sweep(&self.aside, |name| name.starts_with(PREFIX) || name.starts_with(running::PREFIX))
     }
 
     /// Removes the folder of temporaries if nobody uses it.

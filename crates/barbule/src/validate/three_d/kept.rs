@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Plan, USUAL_SIGMA};
-use crate::Result;
 use crate::clock;
 use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
-use crate::progress::{OnlyStops, Progress};
+use crate::progress::{OnlyStops, Progress, Shard};
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::structure::Segment;
+use crate::{Error, Result};
 
 /// What one wavelength and direction give.
 #[derive(Default, Serialize, Deserialize)]
@@ -87,6 +87,69 @@ impl Plan {
             }
         }
         done
+    }
+
+    /// Computes and keeps the far fields of a part of the segments, of about equal time: [`Self::run`] then finds them, whoever computed
+    /// them. Those that are there from before take no time.
+    ///
+    /// # Errors
+    /// As the solver; a unit cannot be written; or the user cancelled, what is kept till then stays.
+    pub fn run_part(&self, shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
+        let own = self.part_of(shard);
+        progress.begin("segments", own.len() as u64);
+        let mut segments: Vec<Option<Segment>> = vec![None; self.instances];
+        for cell in own.chunk_by(|a, b| a[..2] == b[..2]) {
+            let (direction, nm) = (self.directions[cell[0][0]], self.wavelengths.nm()[cell[0][1]]);
+            let is_there = self.kept_cell(units, direction, nm, self.sigma()).is_some();
+            for &[_, _, index] in cell {
+                if progress.is_cancelled() {
+                    return Err(Error::interrupted());
+                }
+                let light = self.light(nm, direction, index);
+                if !is_there && self.kept(units, &light, index).is_none() {
+                    let segment = match segments[index].take() {
+                        Some(segment) => segment,
+                        None => self.structure.segment(self.seed, index, self.length_um, self.roughness)?,
+                    };
+                    self.scattered(&segment, &light, index, Some(units), progress)?;
+                    segments[index] = Some(segment);
+                }
+                progress.advance(1);
+            }
+        }
+        Ok(())
+    }
+
+    /// How many far fields of a part are there from before, and how many it has.
+    #[must_use]
+    pub fn done_of_part(&self, shard: Shard, units: &Units) -> [usize; 2] {
+        let own = self.part_of(shard);
+        let mut done = 0;
+        for cell in own.chunk_by(|a, b| a[..2] == b[..2]) {
+            let (direction, nm) = (self.directions[cell[0][0]], self.wavelengths.nm()[cell[0][1]]);
+            done += if self.kept_cell(units, direction, nm, self.sigma()).is_some() {
+                cell.len()
+            } else {
+                let is_there =
+                    |at: &&[usize; 3]| self.kept(units, &self.light(nm, direction, at[2]), at[2]).is_some();
+                cell.iter().filter(is_there).count()
+            };
+        }
+        [done, own.len()]
+    }
+
+    /// Directions, wavelengths and instances, by their places, of a part.
+    fn part_of(&self, shard: Shard) -> Vec<[usize; 3]> {
+        let mut all = Vec::with_capacity(self.count());
+        let mut costs = Vec::with_capacity(self.count());
+        for direction in 0..self.directions.len() {
+            for (w, nm) in self.wavelengths.nm().iter().enumerate() {
+                all.extend((0..self.instances).map(|index| [direction, w, index]));
+                // As many cells are in a segment as squares of wavelengths.
+                costs.resize(all.len(), nm.powi(-2));
+            }
+        }
+        shard.by_cost(&costs).into_iter().map(|place| all[place]).collect()
     }
 
     /// σ of the BRDF that pictures are compared with.
