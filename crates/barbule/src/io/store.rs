@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 pub(super) use self::aside::{Files, create_folder, sweep_beside};
+pub(super) use self::layout::{ATLAS, difference};
 use self::layout::{ARRAYS, Arrays, Attributes};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
