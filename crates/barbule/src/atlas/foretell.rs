@@ -20,9 +20,9 @@ const FEW_WAVELENGTHS: usize = 3;
 /// Cells of a unit run side by side, and one that waits for its individuals may begin another.
 const SIDE_BY_SIDE: u64 = 2;
 
-/// What a material has in a file for each wavelength and direction, and at all, bytes.
-const MATERIAL_NODE_BYTES: usize = 300;
-const MATERIAL_BYTES: usize = 100_000;
+/// What a material has in a file for each wavelength and direction, and at all, bytes: those that ship have 27.
+const MATERIAL_NODE_BYTES: usize = 27;
+const MATERIAL_BYTES: usize = 20_000;
 
 /// What an atlas will take.
 #[derive(Debug, Clone, PartialEq)]
