@@ -136,7 +136,7 @@ fn status(store: &Store) -> serde_json::Value {
 }
 
 /// `i/n` with 0 ≤ i < n.
-fn shard(text: &str) -> Result<(usize, usize)> {
+pub(super) fn shard(text: &str) -> Result<(usize, usize)> {
     text.split_once('/')
         .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
         .filter(|(i, n)| i < n && *n <= 100_000)
