@@ -59,7 +59,7 @@ pub(crate) fn atlas(
                 None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
             };
             let needed = foretell(&atlas, progress)?.memory_bytes;
-            allowed.check("the atlas", needed, "raise `memory_bytes`, or give fewer angles, wavelengths or individuals")?;
+            allowed.check("the atlas", needed, "fewer angles, wavelengths or individuals")?;
         }
         let outcome = run(&atlas, &store, &units, progress)?;
         Ok((outcome.computed, outcome.found, outcome.repaired, outcome.seconds))

@@ -91,7 +91,7 @@ impl Args {
         }
         if !(0..atlas.layout().units()).any(|unit| store.is_done(unit)) {
             let forecast = foretell(atlas, progress)?;
-            let remedy = "raise --memory, or give fewer angles, wavelengths or individuals, or --threads";
+            let remedy = "fewer angles, wavelengths or individuals, or --threads";
             self.common.check_memory("the atlas", forecast.memory_bytes, remedy)?;
             self.common.say(&words(&forecast));
         }

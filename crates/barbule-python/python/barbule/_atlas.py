@@ -113,8 +113,9 @@ def foretell(
     """
     given_media = media_of(media)
     with watched(progress) as watch:
-        *counts, cell_seconds, seconds = _native.foretell_atlas(Path(plan), seed, given_media, threads, watch)
-    cells, units, files, size, memory, cores = counts
+        cells, units, files, size, memory, cores, cell_seconds, seconds = _native.foretell_atlas(
+            Path(plan), seed, given_media, threads, watch
+        )
     return Forecast(cells, units, files, size, memory, cores, tuple(cell_seconds), seconds)
 
 

@@ -50,6 +50,11 @@ impl Atlas {
         };
         let at = |error: crate::Error| if error.is_interrupted() { error } else { error.at(self.words(cell)) };
         let found = spectra_by(self.width, &structure, &self.request(&structure), progress).map_err(at)?;
+        let is_possible = |value: &f64| value.is_finite() && *value >= 0.0;
+        if !found.mean.iter().chain(&found.std).flatten().all(is_possible) {
+            let what = "came out with a reflectance that is not finite, or negative";
+            return Err(crate::Error::not_settled(format!("cell {cell} ({}) {what}", self.words(cell))));
+        }
         let spectrum = |mean: &Vec<f64>| Spectrum::new(self.wavelengths.clone(), mean.clone());
         let means = found.mean.iter().map(spectrum).collect::<Result<Vec<_>>>()?;
         let looks: Vec<Look> = means.iter().map(Look::of).collect();

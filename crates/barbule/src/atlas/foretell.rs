@@ -68,7 +68,8 @@ pub fn foretell(atlas: &Atlas, progress: &dyn Progress) -> Result<Forecast> {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
-        let structure = match atlas.structure(cell) {
+        let made = atlas.structure(cell).and_then(|one| one.instance(atlas.seed, 0).map(|_| one));
+        let structure = match made {
             Ok(structure) => structure,
             Err(error) if atlas.may_be_empty && error.is_input() => continue,
             Err(error) => return Err(error),

@@ -124,7 +124,7 @@ impl Plan {
     /// Not TOML, a key that is unknown, missing or out of range; the message names the line and the key.
     pub fn parse(text: &str) -> Result<Self> {
         let table = parse_toml(text)?;
-        let plan = Self::read(&table, "").and_then(|plan| plan.checked());
+        let plan = Self::read(&table, "").and_then(Self::checked);
         plan.map_err(|error| at_line(error, text))
     }
 

@@ -1,6 +1,6 @@
 //! What is swept: species and stacks with sizes that have names.
 
-use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::{Map, Value};
 
@@ -8,9 +8,10 @@ use super::plan::no_key;
 use crate::error::shortened;
 use crate::fields::{Key, Kind};
 use crate::inverse;
-use crate::open::{Opening, stack, structure, subject};
+use crate::io::read_flat_stack;
+use crate::open::{Opening, structure, subject};
 use crate::progress::Progress;
-use crate::structure::{FlatStack, GeneratorParameters, SpeciesFile, SpeciesModel, Structure};
+use crate::structure::{FlatStack, GeneratorParameters, MaterialSource, SpeciesFile, SpeciesModel, Structure};
 use crate::{Error, Result};
 
 /// Layers of stacks, nm.
@@ -50,13 +51,19 @@ impl Subject {
             },
             Structure::Below(_) => refuse("is a lower side, which atlases do not sweep; give the structure itself"),
             Structure::Stack(flat) => Ok(Self::Stack(flat)),
-            Structure::Sections { name, .. } => match stack(text, library) {
-                Ok(stack) => {
-                    let (library, materials) = (library.clone(), BTreeMap::new());
-                    Ok(Self::Stack(Box::new(FlatStack { name, stack, library, materials })))
-                }
-                Err(_) => refuse("has no sizes with names; give a species, a stack, or the .toml file of either"),
-            },
+            Structure::Sections { .. } => {
+                let path = Path::new(text);
+                let flat = match path.exists() {
+                    true if path.is_dir() => None,
+                    true => read_flat_stack(path, library)?,
+                    false => FlatStack::parse(text, library.clone()).ok(),
+                };
+                let Some(mut flat) = flat else {
+                    return refuse("has no sizes with names; give a species, a stack, or the .toml file of either");
+                };
+                opening.media.remember_in_stack(&mut flat);
+                Ok(Self::Stack(Box::new(flat)))
+            }
         }
     }
 
@@ -158,7 +165,20 @@ impl Subject {
                 values.remove("generator");
                 file.flat_toml_of(Some(&model.variant), &values)
             }
-            Self::Stack(flat) => Ok(format!("stack = {}\n", toml::Value::from(flat.stack.text()))),
+            Self::Stack(flat) => {
+                let mut table = toml::Table::new();
+                table.insert("stack".into(), flat.stack.text().into());
+                let source = |source: &MaterialSource| match source {
+                    MaterialSource::File(path) => toml::Value::from(path.to_string_lossy().into_owned()),
+                    MaterialSource::Index(n) => toml::Value::from(vec![n.re, n.im]),
+                };
+                let media: toml::Table =
+                    flat.materials.iter().map(|(name, of)| (name.clone(), source(of))).collect();
+                if !media.is_empty() {
+                    table.insert("materials".into(), media.into());
+                }
+                toml::to_string(&table).map_err(|e| Error::input(format!("cannot be written as TOML: {e}")))
+            }
         }
     }
 }

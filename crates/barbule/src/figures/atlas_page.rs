@@ -40,7 +40,7 @@ pub fn atlas_page(atlas: &Atlas, store: &SweepStore, notes: &[(&str, &str)]) -> 
     }
     let (means, stds) = (store.numbers("mean")?, store.numbers("std")?);
     let cells: Vec<Value> =
-        (0..atlas.cells()).map(|cell| of_cell(atlas, &colours, cell, &means[cell], &stds[cell])).collect();
+        (0..atlas.cells()).map(|cell| of_cell(atlas, &colours, cell, means[cell].as_deref(), stds[cell].as_deref())).collect();
     let panels: Vec<Value> = panels(atlas).iter().map(of_panel).collect();
     let data = json!({
         "nm": atlas.wavelengths().nm(),
@@ -67,8 +67,8 @@ fn of_cell(
     atlas: &Atlas,
     colours: &AtlasColours,
     cell: usize,
-    mean: &Option<Vec<f64>>,
-    std: &Option<Vec<f64>>,
+    mean: Option<&[f64]>,
+    std: Option<&[f64]>,
 ) -> Value {
     let (Some(Some(own)), Some(mean), Some(std)) = (colours.of.get(cell), mean, std) else { return Value::Null };
     let count = atlas.wavelengths().len();
@@ -80,7 +80,7 @@ fn of_cell(
 }
 
 fn of_panel(panel: &Panel) -> Value {
-    let ends = |range: [f64; 2]| range.map(|end| format!("{:.4}", end).trim_end_matches('0').trim_end_matches('.').to_owned());
+    let ends = |range: [f64; 2]| range.map(|end| format!("{end:.4}").trim_end_matches('0').trim_end_matches('.').to_owned());
     json!({
         "title": panel.title,
         "xLabel": panel.x.label,

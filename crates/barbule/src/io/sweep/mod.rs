@@ -208,13 +208,13 @@ impl SweepStore {
     /// Writes a unit that took so many seconds.
     ///
     /// # Errors
-    /// The disk is full or the store is not writable; the unit has other values than the layout says, or some that no reflection has.
+    /// The disk is full or the store is not writable; the unit has other values than the layout says, or infinite ones.
     pub fn write(&self, unit: usize, found: &SweepUnit, seconds: f64) -> Result<()> {
         let cells = self.layout.cells_of(unit);
         let there: Vec<bool> = cells.iter().map(Option::is_some).collect();
         if !is_possible(found) {
             return Err(Error::not_settled(format!(
-                "{}: unit {unit} came out with values that are not finite or negative",
+                "{}: unit {unit} came out with values that are infinite",
                 self.path.display()
             )));
         }
@@ -236,14 +236,16 @@ impl SweepStore {
             })?;
             let key = array.path(&block);
             self.files.write(&key, &bytes).map_err(refuse)?;
-            digests.push(self.digest_of(&[(&key, &bytes)]));
+            digests.push(self.digest_of(&[(key.as_str(), bytes.as_slice())]));
         }
         let materials: Vec<(String, &[u8])> =
             found.materials.iter().map(|(cell, bytes)| (material_key(*cell), bytes.as_slice())).collect();
         for (key, bytes) in &materials {
             self.files.write(key, bytes).map_err(refuse)?;
         }
-        digests.push(self.digest_of(&materials.iter().map(|(key, bytes)| (key.as_str(), *bytes)).collect::<Vec<_>>()));
+        let sealed: Vec<(&str, &[u8])> =
+            materials.iter().map(|(key, bytes)| (key.as_str(), *bytes)).collect();
+        digests.push(self.digest_of(&sealed));
         self.files.write(&format!("{TIMES}/{unit}"), format!("{seconds:.6}").as_bytes()).map_err(refuse)?;
         let bytes = self.digest.encode(&[true], &digests).unwrap_or_default();
         self.files.write(&self.digest.path(&[unit]), &bytes).map_err(refuse)
@@ -275,7 +277,7 @@ impl SweepStore {
         for ((array, kind), digest) in self.arrays.iter().zip(&self.layout.arrays).zip(&digests) {
             let key = array.path(&block);
             let bytes = self.files.read(&key, array.most_bytes())?;
-            if self.digest_of(&[(&key, &bytes)]) != *digest {
+            if self.digest_of(&[(key.as_str(), bytes.as_slice())]) != *digest {
                 return None;
             }
             values.push(if kind.is_bytes {
@@ -330,7 +332,7 @@ fn material_key(cell: usize) -> String {
     format!("{MATERIALS}/{cell:06}.barbule")
 }
 
-/// Whether values can be those of reflections: finite, or NaN where a cell is no structure.
+/// Whether values can be kept: finite, or NaN where there is none.
 fn is_possible(found: &SweepUnit) -> bool {
     found.values.iter().all(|values| match values {
         SweepValues::Floats(values) => !values.iter().any(|value| value.is_infinite()),
