@@ -53,14 +53,12 @@ impl AtlasColours {
     }
 }
 
-/// One map: the cell at each place, row by row from the lowest y.
+/// One map: the cell and the angle at each place, row by row from the lowest y.
 pub(super) struct Panel {
     pub(super) title: String,
     pub(super) x: Span,
     pub(super) y: Span,
-    pub(super) columns: usize,
-    pub(super) cells: Vec<Option<usize>>,
-    pub(super) angle: usize,
+    pub(super) cells: Vec<Option<[usize; 2]>>,
 }
 
 /// An axis of a map.
@@ -72,7 +70,8 @@ pub(super) struct Span {
     pub(super) at: Vec<usize>,
 }
 
-/// The maps of an atlas: each pair of its last two keys with more than one value, for every value of the others and every angle.
+/// The maps of an atlas: over its last two keys with more than one value, for every value of the others and every angle; of one key
+/// alone over it and the angle.
 pub(super) fn panels(atlas: &Atlas) -> Vec<Panel> {
     let layout = atlas.layout();
     if !layout.coordinates.is_empty() {
@@ -95,24 +94,46 @@ pub(super) fn panels(atlas: &Atlas) -> Vec<Panel> {
         }
         let words = others.iter().filter(|i| lengths[**i] > 1).map(|i| said(&axes[*i], place[*i]));
         let title = words.collect::<Vec<_>>().join(", ");
-        for angle in 0..atlas.angles_deg().len() {
-            let (across, up) = (span(&axes[x]), y.map_or_else(Span::none, |y| span(&axes[y])));
-            let mut cells = Vec::with_capacity(across.at.len() * up.at.len());
-            for row in &up.at {
-                for column in &across.at {
-                    let mut place = place.clone();
-                    place[x] = *column;
-                    if let Some(y) = y {
-                        place[y] = *row;
-                    }
-                    cells.push(Some(place.iter().zip(&lengths).fold(0, |cell, (at, length)| cell * length + at)));
-                }
+        let across = span(&axes[x]);
+        let cell = |column: usize, row: Option<(usize, usize)>| {
+            let mut place = place.clone();
+            place[x] = column;
+            if let Some((y, row)) = row {
+                place[y] = row;
             }
-            let title = with_angle(&title, atlas, angle);
-            all.push(Panel { title, columns: across.at.len(), x: across, y: up, cells, angle });
+            place.iter().zip(&lengths).fold(0, |cell, (at, length)| cell * length + at)
+        };
+        let Some(y) = y else {
+            let up = angles(atlas);
+            let rows = up.at.iter().flat_map(|angle| across.at.iter().map(|column| Some([cell(*column, None), *angle])));
+            let cells = rows.collect();
+            all.push(Panel { title, x: across, y: up, cells });
+            continue;
+        };
+        for angle in 0..atlas.angles_deg().len() {
+            let up = span(&axes[y]);
+            let row = |row: usize| across.at.iter().map(move |column| (*column, row));
+            let places = up.at.iter().flat_map(|at| row(*at));
+            let cells = places.map(|(column, row)| Some([cell(column, Some((y, row))), angle])).collect();
+            all.push(Panel { title: with_angle(&title, atlas, angle), x: across.clone(), y: up, cells });
         }
     }
     all
+}
+
+/// The angles of incidence as an axis; of one angle there is none.
+fn angles(atlas: &Atlas) -> Span {
+    let values = atlas.angles_deg();
+    if values.len() < 2 {
+        return Span::none();
+    }
+    span(&SweepAxis {
+        name: "angle of incidence".into(),
+        units: "degree".into(),
+        meaning: String::new(),
+        values: Numbers::Floats(values.to_vec()),
+        labels: Vec::new(),
+    })
 }
 
 /// The maps of samples: where each lies along the first two keys.
@@ -143,11 +164,11 @@ fn sampled(atlas: &Atlas) -> Vec<Panel> {
             for sample in 0..samples {
                 let column = bin(&x, keys[0].values[sample]);
                 let row = keys.get(1).map_or(0, |key| bin(&y, key.values[sample]));
-                cells[row * x.at.len() + column] = Some(patch * samples + sample);
+                cells[row * x.at.len() + column] = Some([patch * samples + sample, angle]);
             }
             let name = if patches > 1 { said(&layout.cells[0], patch) } else { String::new() };
             let title = with_angle(&name, atlas, angle);
-            all.push(Panel { title, columns: x.at.len(), x: x.clone(), y: y.clone(), cells, angle });
+            all.push(Panel { title, x: x.clone(), y: y.clone(), cells });
         }
     }
     all
@@ -228,11 +249,11 @@ pub fn atlas_map(title: &str, atlas: &Atlas, colours: &AtlasColours, page: &Page
     let panels = panels(atlas);
     let count = panels.len();
     let map = |panel: &Panel| {
-        let colour = |cell: &Option<usize>| cell.map_or(NO_CELL, |cell| colours.at(cell, panel.angle));
+        let colour = |at: &Option<[usize; 2]>| at.map_or(NO_CELL, |[cell, angle]| colours.at(cell, angle));
         let axis = |span: &Span| Axis::with_range(span.label.clone(), span.range[0], span.range[1]);
         let title = if count == 1 { title.to_owned() } else { panel.title.clone() };
         let all = panel.cells.iter().map(colour).collect();
-        HeatMap::of_colours(title, axis(&panel.x), axis(&panel.y), panel.columns, all)
+        HeatMap::of_colours(title, axis(&panel.x), axis(&panel.y), panel.x.at.len(), all)
     };
     let maps: Vec<HeatMap> = panels.iter().take(MOST_MAPS).map(map).collect();
     match &maps[..] {

@@ -87,9 +87,8 @@ fn of_panel(panel: &Panel) -> Value {
         "yLabel": panel.y.label,
         "x": ends(panel.x.range),
         "y": ends(panel.y.range),
-        "columns": panel.columns,
+        "columns": panel.x.at.len(),
         "cells": panel.cells,
-        "angle": panel.angle,
     })
 }
 
