@@ -1,5 +1,7 @@
 //! What the store of an atlas holds: its axes, its arrays, and how many cells are one unit of work.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use super::design::{Design, Swept};
@@ -10,7 +12,6 @@ use crate::characterize::CAMPAIGN_VERSION;
 use crate::fields::Record as _;
 use crate::io::Numbers;
 use crate::io::sweep::{SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
-use crate::vision::View;
 
 /// Files of a finished store that usual units keep to, and cells of the smallest usual unit.
 const USUAL_FILES: usize = 9_000;
@@ -178,14 +179,15 @@ pub(super) fn catches(atlas: &Atlas, index: usize) -> String {
     format!("catches_{}", bird_name(atlas, index))
 }
 
-/// A bird's name as arrays are called: letters and digits, with its number where another is called so.
+/// A bird as arrays are called: the name or the file that the plan gives, in letters and digits, with its number where another is
+/// called so.
 fn bird_name(atlas: &Atlas, index: usize) -> String {
-    let plain = |view: &View| -> String {
-        let lower = view.eye.name.to_lowercase();
+    let plain = |typed: &str| -> String {
+        let lower = Path::new(typed).file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
         lower.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(40).collect()
     };
-    let name = plain(&atlas.views[index].1);
-    let same = atlas.views.iter().filter(|(_, view)| plain(view) == name).count();
+    let name = plain(&atlas.views[index].0);
+    let same = atlas.views.iter().filter(|(typed, _)| plain(typed) == name).count();
     if same > 1 || name.is_empty() { format!("{name}{index}") } else { name }
 }
 

@@ -105,8 +105,9 @@ pub(super) fn panels(atlas: &Atlas) -> Vec<Panel> {
         };
         let Some(y) = y else {
             let up = angles(atlas);
-            let rows = up.at.iter().flat_map(|angle| across.at.iter().map(|column| Some([cell(*column, None), *angle])));
-            let cells = rows.collect();
+            let row = |angle: usize| across.at.iter().map(move |column| (*column, angle));
+            let places = up.at.iter().flat_map(|angle| row(*angle));
+            let cells = places.map(|(column, angle)| Some([cell(column, None), angle])).collect();
             all.push(Panel { title, x: across, y: up, cells });
             continue;
         };
