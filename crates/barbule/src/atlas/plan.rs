@@ -14,6 +14,9 @@ use crate::{Error, Result};
 /// What structures are, for people.
 const STRUCTURE: Text = Text("SPECIES[:VARIANT], a stack, or the .toml file of either");
 
+/// What stands before a file of a light in quanta.
+const QUANTA: &str = "quanta:";
+
 words! {
     /// The plane in which angles of incidence lie.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -188,6 +191,9 @@ impl Plan {
 pub fn placed(text: &str, folder: &Path) -> String {
     if is_built_in(text) {
         return text.to_owned();
+    }
+    if let Some(file) = text.strip_prefix(QUANTA) {
+        return format!("{QUANTA}{}", placed(file, folder));
     }
     let (file, variant) = match text.rsplit_once(':') {
         Some((file, variant)) if file.to_lowercase().ends_with(".toml") => (file, Some(variant)),
