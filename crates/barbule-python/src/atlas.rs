@@ -56,7 +56,9 @@ pub(crate) fn atlas(
         if !(0..atlas.layout().units()).any(|unit| store.is_done(unit)) {
             let allowed = match memory_bytes {
                 Some(bytes) => Allowance { bytes, asked: true },
-                None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
+                None => {
+                    available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false })
+                }
             };
             let needed = foretell(&atlas, progress)?.memory_bytes;
             allowed.check("the atlas", needed, "fewer angles, wavelengths or individuals")?;
@@ -81,6 +83,15 @@ pub(crate) fn foretell_atlas(
     How::new(threads, progress).run(py, |progress| {
         let found = foretell(&opened(&plan, &given, Width::best(), progress)?, progress)?;
         let (bytes, memory) = (found.bytes, found.memory_bytes);
-        Ok((found.cells, found.units, found.files, bytes, memory, found.cores, found.cell_seconds, found.seconds))
+        Ok((
+            found.cells,
+            found.units,
+            found.files,
+            bytes,
+            memory,
+            found.cores,
+            found.cell_seconds,
+            found.seconds,
+        ))
     })
 }

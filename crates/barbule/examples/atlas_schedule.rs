@@ -33,23 +33,37 @@ fn main() -> Result<()> {
     let store = atlas.create(&made.path().join("units.zarr"))?;
     let parts = atlas.layout().units().div_ceil(measured.max(1));
     // The first unit pays for what is made once.
-    let seconds: Vec<f64> =
-        run(&atlas, &store, &atlas.units(0, parts), &Unobserved)?.seconds.iter().skip(1).map(|unit| unit.1).collect();
+    let seconds: Vec<f64> = run(&atlas, &store, &atlas.units(0, parts), &Unobserved)?
+        .seconds
+        .iter()
+        .skip(1)
+        .map(|unit| unit.1)
+        .collect();
     if seconds.is_empty() {
         return Err(Error::input("one unit has no spread; give a larger plan or a smaller unit_cells"));
     }
     let mean = seconds.iter().sum::<f64>() / seconds.len() as f64;
     let spread = (seconds.iter().map(|s| (s - mean).powi(2)).sum::<f64>() / seconds.len() as f64).sqrt();
     let (least, most) = seconds.iter().fold((f64::INFINITY, 0.0_f64), |(l, m), s| (l.min(*s), m.max(*s)));
-    println!("{} units of {}: {mean:.3} s ± {spread:.3} s, {least:.3} to {most:.3} s\n", seconds.len(), atlas.name());
-    println!("| units of | workers | nothing goes wrong | slow workers and failures, next unit | the same, fixed parts |");
+    println!(
+        "{} units of {}: {mean:.3} s ± {spread:.3} s, {least:.3} to {most:.3} s\n",
+        seconds.len(),
+        atlas.name()
+    );
+    println!(
+        "| units of | workers | nothing goes wrong | slow workers and failures, next unit | the same, fixed parts |"
+    );
     println!("| --- | --- | --- | --- | --- |");
     for length_s in [mean, 2.0, 20.0] {
         let mut stream = Stream::new(1, &[0]);
         let mut draw = || seconds[((stream.unit() * seconds.len() as f64) as usize).min(seconds.len() - 1)];
         let all: Vec<f64> = (0..units).map(|_| draw() * length_s / mean).collect();
         for workers in WORKERS {
-            let only_work = Faults { start_s: Faults::USUAL.start_s, overhead_s: Faults::USUAL.overhead_s, ..Faults::NONE };
+            let only_work = Faults {
+                start_s: Faults::USUAL.start_s,
+                overhead_s: Faults::USUAL.overhead_s,
+                ..Faults::NONE
+            };
             let quiet = Schedule::taken(&all, workers, &only_work, 1);
             let next = Schedule::taken(&all, workers, &Faults::USUAL, 1);
             let fixed = Schedule::shared_out(&all, workers, &Faults::USUAL, 1);

@@ -20,11 +20,13 @@ use crate::provenance::{Provenance, check_outputs};
 
 /// Arguments of `barbule atlas`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  barbule atlas examples/atlas/films.toml -o films.zarr --picture films.svg\n  \
+#[command(
+    after_help = "Examples:\n  barbule atlas examples/atlas/films.toml -o films.zarr --picture films.svg\n  \
     barbule atlas examples/atlas/hummingbirds.toml --status\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --shard 0/4\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --page films\n\n\
-    The same command goes on with a store that was interrupted. --status says what is done and what is left, or before the first unit what it will take.")]
+    The same command goes on with a store that was interrupted. --status says what is done and what is left, or before the first unit what it will take."
+)]
 pub(crate) struct Args {
     /// The plan: what is swept, over which sizes
     #[arg(value_name = "PLAN.toml")]
@@ -58,7 +60,8 @@ impl Args {
         let opening = self.common.opening()?;
         let progress = Terminal::new(&self.common);
         let width = self.simd.unwrap_or_default();
-        let atlas = Atlas::new(&plan, &folder, &opening, width, &progress).map_err(|e| e.in_file(&self.plan))?;
+        let atlas =
+            Atlas::new(&plan, &folder, &opening, width, &progress).map_err(|e| e.in_file(&self.plan))?;
         check_outputs(self.picture.as_deref(), None)?;
         if self.status {
             return self.report(&atlas, &progress, out);
@@ -100,7 +103,10 @@ impl Args {
                 return error;
             }
             let done = units.iter().filter(|unit| store.is_done(**unit)).count();
-            Error::interrupted_after(format!("{done} of {} units done; the same command goes on", units.len()))
+            Error::interrupted_after(format!(
+                "{done} of {} units done; the same command goes on",
+                units.len()
+            ))
         })?;
         if outcome.repaired > 0 {
             self.common.say(&format!("{} damaged units were computed again", outcome.repaired));
@@ -159,7 +165,8 @@ impl Args {
         for (name, bytes) in files.iter().rev() {
             write_whole(&folder.join(name), bytes)?;
         }
-        self.common.wrote(folder, &format!("index.html, map.svg and {}", counted(files.len() - 2, "structure")));
+        self.common
+            .wrote(folder, &format!("index.html, map.svg and {}", counted(files.len() - 2, "structure")));
         Ok(())
     }
 
@@ -182,7 +189,9 @@ impl Args {
         }
         let number = |key: &str| document[key].as_u64().unwrap_or(0);
         let left = match document["seconds_left"].as_f64() {
-            Some(seconds) if seconds > 0.0 => format!(", about {} of one process like those before left", duration(seconds)),
+            Some(seconds) if seconds > 0.0 => {
+                format!(", about {} of one process like those before left", duration(seconds))
+            }
             _ => String::new(),
         };
         let text = format!(

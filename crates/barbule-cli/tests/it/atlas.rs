@@ -82,13 +82,19 @@ fn a_status_foretells_then_counts() {
     let at = folder.path();
     let read = |words: &[&str]| serde_json::from_str::<Value>(&succeed(at, words).0).unwrap();
     let before = read(&["plan.toml", "--status", "--json"]);
-    assert_eq!((&before["structures"], &before["units"], &before["done"]), (&12.into(), &8.into(), &0.into()));
+    assert_eq!(
+        (&before["structures"], &before["units"], &before["done"]),
+        (&12.into(), &8.into(), &0.into())
+    );
     assert!(before["seconds_left"].as_f64().unwrap() > 0.0 && before["memory_bytes"].as_u64().unwrap() > 0);
     assert_eq!(std::fs::read_dir(at).unwrap().count(), 1);
     let part = read(&["plan.toml", "-o", "s.zarr", "--shard", "1/4", "--json"]);
     assert_eq!((&part["computed"], part["unit_seconds"].as_array().unwrap().len()), (&2.into(), 2));
     let (text, _) = succeed(at, &["plan.toml", "-o", "s.zarr", "--status"]);
-    assert!(text.starts_with("films: 2 of 8 units done, 6 missing, 0 damaged; ") && text.contains("left"), "{text}");
+    assert!(
+        text.starts_with("films: 2 of 8 units done, 6 missing, 0 damaged; ") && text.contains("left"),
+        "{text}"
+    );
     succeed(at, &["plan.toml", "-o", "s.zarr"]);
     let after = read(&["plan.toml", "-o", "s.zarr", "--status", "--json"]);
     assert_eq!((&after["done"], &after["seconds_left"]), (&8.into(), &0.0.into()));
@@ -134,7 +140,10 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         let output = run(at, &["bad.toml", "-o", "s.zarr"]);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{message}");
-        assert!(message.contains(part) && message.lines().count() == 1 && message.contains("bad.toml"), "{message}");
+        assert!(
+            message.contains(part) && message.lines().count() == 1 && message.contains("bad.toml"),
+            "{message}"
+        );
         assert!(!at.join("s.zarr").exists(), "{message}");
     }
     succeed(at, &["plan.toml", "-o", "s.zarr"]);

@@ -48,7 +48,8 @@ impl Atlas {
             Err(error) if self.may_be_empty && error.is_input() => return Ok(self.empty()),
             Err(error) => return Err(error),
         };
-        let at = |error: crate::Error| if error.is_interrupted() { error } else { error.at(self.words(cell)) };
+        let at =
+            |error: crate::Error| if error.is_interrupted() { error } else { error.at(self.words(cell)) };
         let found = spectra_by(self.width, &structure, &self.request(&structure), progress).map_err(at)?;
         let is_possible = |value: &f64| value.is_finite() && *value >= 0.0;
         if !found.mean.iter().chain(&found.std).flatten().all(is_possible) {
@@ -67,8 +68,12 @@ impl Atlas {
         let value = |name: &str| match name {
             MEAN => SweepValues::Floats(found.mean.concat()),
             STD => SweepValues::Floats(found.std.concat()),
-            PEAK => SweepValues::Floats(looks.iter().map(|l| l.peak.map_or(f64::NAN, |peak| peak.nm)).collect()),
-            XYZ => SweepValues::Floats(looks.iter().flat_map(|l| l.colour.map_or([f64::NAN; 3], |c| c.xyz)).collect()),
+            PEAK => {
+                SweepValues::Floats(looks.iter().map(|l| l.peak.map_or(f64::NAN, |peak| peak.nm)).collect())
+            }
+            XYZ => SweepValues::Floats(
+                looks.iter().flat_map(|l| l.colour.map_or([f64::NAN; 3], |c| c.xyz)).collect(),
+            ),
             SRGB => colours(&|look| look.colour.map_or([0; 3], |colour| colour.srgb())),
             NORMALIZED => colours(&|look| look.colour.map_or([0; 3], |colour| colour.srgb_normalized())),
             bird => {
@@ -83,7 +88,8 @@ impl Atlas {
                 let plan = options.plan(structure)?;
                 let resources = Resources { width: self.width, ..Resources::default() };
                 let how = Execution { resources, store: None };
-                let made = characterize(&plan, &FitOptions::default(), catalog, &how, progress).map_err(at)?;
+                let made =
+                    characterize(&plan, &FitOptions::default(), catalog, &how, progress).map_err(at)?;
                 Some(encode_material(&made.material)?)
             }
         };
@@ -94,7 +100,11 @@ impl Atlas {
     fn empty(&self) -> Cell {
         let each = |(index, array): (usize, &crate::io::sweep::SweepArray)| {
             let count = self.layout.cell_len(index);
-            if array.is_bytes { SweepValues::Bytes(vec![0; count]) } else { SweepValues::Floats(vec![f64::NAN; count]) }
+            if array.is_bytes {
+                SweepValues::Bytes(vec![0; count])
+            } else {
+                SweepValues::Floats(vec![f64::NAN; count])
+            }
         };
         Cell { values: self.layout.arrays.iter().enumerate().map(each).collect(), material: None }
     }

@@ -59,7 +59,8 @@ impl Contents {
             description: description(atlas, plan)?,
         };
         let per_unit = plan.unit_cells.unwrap_or_else(|| usual_cells(&layout));
-        layout.block = block(&layout.cells.iter().map(|axis| axis.values.len()).collect::<Vec<_>>(), per_unit);
+        layout.block =
+            block(&layout.cells.iter().map(|axis| axis.values.len()).collect::<Vec<_>>(), per_unit);
         Ok(Self(layout))
     }
 
@@ -164,7 +165,12 @@ fn further(atlas: &Atlas) -> Vec<SweepAxis> {
     }
     for (index, (_, view)) in atlas.views.iter().enumerate() {
         let cones: Vec<String> = view.eye.cones.iter().map(|cone| cone.name.clone()).collect();
-        axes.push(counted(&cone_axis(atlas, index), &format!("cone: {}", listed(&cones)), cones.len(), cones));
+        axes.push(counted(
+            &cone_axis(atlas, index),
+            &format!("cone: {}", listed(&cones)),
+            cones.len(),
+            cones,
+        ));
     }
     axes
 }
@@ -203,16 +209,37 @@ fn arrays(atlas: &Atlas) -> Vec<SweepArray> {
     let mut all = vec![
         array(MEAN, "", "reflected fraction of unpolarized light, mean over individuals", &curve, false),
         array(STD, "", "standard deviation of the reflected fraction over individuals", &curve, false),
-        array(PEAK, "nm", "wavelength of the highest peak; none where the reflectance only rises or falls", &[ANGLE], false),
+        array(
+            PEAK,
+            "nm",
+            "wavelength of the highest peak; none where the reflectance only rises or falls",
+            &[ANGLE],
+            false,
+        ),
     ];
     if atlas.has_colours {
-        all.push(array(XYZ, "", "CIE 1931 XYZ under D65; a perfect white has Y = 1", &[ANGLE, TRISTIMULUS], false));
-        all.push(array(SRGB, "", "sRGB at the reflectance's own luminance, 0 to 255", &[ANGLE, CHANNEL], true));
+        all.push(array(
+            XYZ,
+            "",
+            "CIE 1931 XYZ under D65; a perfect white has Y = 1",
+            &[ANGLE, TRISTIMULUS],
+            false,
+        ));
+        all.push(array(
+            SRGB,
+            "",
+            "sRGB at the reflectance's own luminance, 0 to 255",
+            &[ANGLE, CHANNEL],
+            true,
+        ));
         let bright = "sRGB as bright as a screen can show it, 0 to 255";
         all.push(array(NORMALIZED, "", bright, &[ANGLE, CHANNEL], true));
     }
     for (index, (_, view)) in atlas.views.iter().enumerate() {
-        let meaning = format!("quanta that cones of {} catch in {}, over those of white", view.eye.name, view.light.name);
+        let meaning = format!(
+            "quanta that cones of {} catch in {}, over those of white",
+            view.eye.name, view.light.name
+        );
         let axis = cone_axis(atlas, index);
         all.push(array(&catches(atlas, index), "", &meaning, &[ANGLE, &axis], false));
     }

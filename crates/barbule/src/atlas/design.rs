@@ -44,12 +44,18 @@ impl Design {
                 Some(count) => drawn(vary, index, &first, count, seed)?,
             };
             let place = format!("vary[{index}].values");
-            if let Some(bad) = values.iter().find(|value| !(first.range[0]..=first.range[1]).contains(*value)) {
+            if let Some(bad) = values.iter().find(|value| !(first.range[0]..=first.range[1]).contains(*value))
+            {
                 let [low, high] = first.range;
-                return Err(Error::input(format!("{place}: {} is {bad}, outside {low} to {high}", vary.key)).about(place));
+                return Err(Error::input(format!("{place}: {} is {bad}, outside {low} to {high}", vary.key))
+                    .about(place));
             }
             if let Some(bad) = values.iter().find(|value| first.whole && value.fract() != 0.0) {
-                return Err(Error::input(format!("{place}: {} is {bad}, but must be a whole number", vary.key)).about(place));
+                return Err(Error::input(format!(
+                    "{place}: {} is {bad}, but must be a whole number",
+                    vary.key
+                ))
+                .about(place));
             }
             keys.push(Swept { key: vary.key.clone(), size: first, values });
         }
@@ -57,7 +63,8 @@ impl Design {
             None => Self::Grid(keys),
             Some(count) => Self::Samples { count, keys },
         };
-        let cells = design.lengths().into_iter().try_fold(subjects.len(), usize::checked_mul).unwrap_or(usize::MAX);
+        let cells =
+            design.lengths().into_iter().try_fold(subjects.len(), usize::checked_mul).unwrap_or(usize::MAX);
         if cells > MOST_CELLS {
             return Err(Error::input(format!(
                 "the plan has {cells} cells, over the limit of {MOST_CELLS}; give fewer values, or `samples`"
@@ -135,10 +142,15 @@ mod tests {
 
     #[test]
     fn each_part_of_each_range_has_one_sample() {
-        let text = format!("samples = 40\n{}{}", vary("cortex_um", "'0.2:0.6'"), vary("core_fraction_high", "'0.5:0.9'"));
+        let text = format!(
+            "samples = 40\n{}{}",
+            vary("cortex_um", "'0.2:0.6'"),
+            vary("core_fraction_high", "'0.5:0.9'")
+        );
         let design = design(&text).unwrap();
         for (key, low) in design.keys().iter().zip([0.2, 0.5]) {
-            let mut parts: Vec<usize> = key.values.iter().map(|v| ((v - low) / 0.4 * 40.0) as usize).collect();
+            let mut parts: Vec<usize> =
+                key.values.iter().map(|v| ((v - low) / 0.4 * 40.0) as usize).collect();
             assert!(!parts.is_sorted(), "{}", key.key);
             parts.sort_unstable();
             assert_eq!(parts, (0..40).collect::<Vec<_>>(), "{}", key.key);
@@ -149,7 +161,10 @@ mod tests {
     #[test]
     fn keys_and_values_that_a_structure_cannot_have_are_refused() {
         for (text, part) in [
-            (vary("cortex", "[0.3]"), "vary[0].key: starling:green has no size 'cortex', did you mean 'cortex_um'?"),
+            (
+                vary("cortex", "[0.3]"),
+                "vary[0].key: starling:green has no size 'cortex', did you mean 'cortex_um'?",
+            ),
             (vary("cortex_um", "[0.3, 300]"), "cortex_um is 300, outside 0.001 to 10"),
             (vary("cortex_um", "'0.1:0.2'"), "says no values"),
             (

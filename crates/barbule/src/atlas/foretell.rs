@@ -81,7 +81,8 @@ pub fn foretell(atlas: &Atlas, progress: &dyn Progress) -> Result<Forecast> {
         if let Some(options) = &atlas.material {
             let plan = options.plan(structure)?;
             seconds += plan.seconds(cores);
-            let demand = Demand::bound(&plan.structure, &plan.parameters, Keep::Statistics, Results::Gathered)?;
+            let demand =
+                Demand::bound(&plan.structure, &plan.parameters, Keep::Statistics, Results::Gathered)?;
             memory = memory.saturating_add(demand.bytes(demand.most_units.min(cores)));
             material_bytes = MATERIAL_BYTES + MATERIAL_NODE_BYTES * plan.parameters.axes.len();
         }

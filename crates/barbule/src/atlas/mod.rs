@@ -60,8 +60,8 @@ use crate::io::sweep::{SweepLayout, SweepStore};
 use crate::math::simd::Width;
 use crate::open::{Opening, eye, light};
 use crate::progress::Progress;
-use crate::spectrum::{Spectrum, Wavelengths};
 use crate::spectrum::look::Look;
+use crate::spectrum::{Spectrum, Wavelengths};
 use crate::structure::Structure;
 use crate::vision::View;
 use crate::{Error, Result};
@@ -95,13 +95,20 @@ impl Atlas {
     /// # Errors
     /// A structure, bird or light that is not found; a key that a structure does not have, or a value out of its range; sizes that
     /// make no structure, unless the plan leaves such cells empty; wavelengths or angles that cannot be simulated; too many cells.
-    pub fn new(plan: &Plan, folder: &Path, opening: &Opening, width: Width, progress: &dyn Progress) -> Result<Self> {
+    pub fn new(
+        plan: &Plan,
+        folder: &Path,
+        opening: &Opening,
+        width: Width,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         let subjects = subjects(plan, folder, opening, progress)?;
         let design = Design::new(plan, &subjects, opening.seed)?;
         let wavelengths = wavelengths(&plan.wavelengths_nm, "wavelengths_nm")?;
         let angles_deg = plan.angles_deg.values("angles_deg")?;
         if let Some(bad) = angles_deg.iter().find(|angle| angle.abs() >= GRAZING_DEG) {
-            return Err(Error::input(format!("angles_deg has {bad}; give angles between -90 and 90")).about("angles_deg"));
+            return Err(Error::input(format!("angles_deg has {bad}; give angles between -90 and 90"))
+                .about("angles_deg"));
         }
         let views = views(plan, folder, &wavelengths)?;
         let black = Spectrum::new(wavelengths.clone(), vec![0.0; wavelengths.len()])?;
@@ -276,7 +283,9 @@ fn subjects(
     progress: &dyn Progress,
 ) -> Result<Vec<(String, Subject)>> {
     let one = |(index, patch): (usize, Patch)| {
-        let key = |name: &str| if patch.name.is_empty() { name.to_owned() } else { format!("patches[{index}].{name}") };
+        let key = |name: &str| {
+            if patch.name.is_empty() { name.to_owned() } else { format!("patches[{index}].{name}") }
+        };
         let text = patch.structure.as_ref().or(plan.structure.as_ref());
         let text = text.ok_or_else(|| Error::input(format!("{} is missing", key("structure"))))?;
         let from = if patch.structure.is_some() { key("structure") } else { "structure".to_owned() };
@@ -285,7 +294,8 @@ fn subjects(
         for (name, _) in &fixed {
             subject.size(name).map_err(|e| e.at(key("set")))?;
         }
-        let subject = if fixed.is_empty() { subject } else { subject.with(&fixed).map_err(|e| e.at(key("set")))? };
+        let subject =
+            if fixed.is_empty() { subject } else { subject.with(&fixed).map_err(|e| e.at(key("set")))? };
         Ok((patch.name.clone(), subject))
     };
     plan.all_patches().into_iter().enumerate().map(one).collect()

@@ -154,18 +154,29 @@ impl Plan {
                 return refuse(format!("patches[{i}].name"), "is that of another patch; give each its own");
             }
             if patch.structure.is_none() && self.structure.is_none() {
-                return refuse(format!("patches[{i}].structure"), "is missing; give it here, or `structure` for all patches");
+                return refuse(
+                    format!("patches[{i}].structure"),
+                    "is missing; give it here, or `structure` for all patches",
+                );
             }
-            if let Some(key) = self.vary.iter().map(|vary| &vary.key).find(|key| patch.set.0.contains_key(*key)) {
+            if let Some(key) =
+                self.vary.iter().map(|vary| &vary.key).find(|key| patch.set.0.contains_key(*key))
+            {
                 let what = format!("fixes {} too, which is swept; leave one out", shortened(key));
                 return refuse(format!("patches[{i}].set"), &what);
             }
         }
         if self.structure.is_none() && self.patches.is_empty() {
-            return refuse("structure".into(), "is missing; give a species, a stack, or the .toml file of either");
+            return refuse(
+                "structure".into(),
+                "is missing; give a species, a stack, or the .toml file of either",
+            );
         }
         if self.material.is_some() && self.unit_cells.is_some_and(|cells| cells > 1) {
-            return refuse("unit_cells".into(), "is over 1, but with materials each cell is a unit; leave it out");
+            return refuse(
+                "unit_cells".into(),
+                "is over 1, but with materials each cell is a unit; leave it out",
+            );
         }
         Ok(self)
     }
@@ -242,9 +253,15 @@ mod tests {
             (GOOD.replace("structure = 'starling'\n", ""), "structure is missing; give a species"),
             (GOOD.replace("'0.2:0.5:0.1'", "0.2:0.5"), "is not TOML"),
             (GOOD.replace("key = 'cortex_um'\n", ""), "vary[0].key is missing"),
-            (format!("{GOOD}[[vary]]\nkey = 'cortex_um'\nvalues = [1]\n"), "line 8: vary[1].key is swept twice"),
+            (
+                format!("{GOOD}[[vary]]\nkey = 'cortex_um'\nvalues = [1]\n"),
+                "line 8: vary[1].key is swept twice",
+            ),
             (format!("{GOOD}[material]\nthin = 0\n"), "material.thin is 0, outside 1 to 20"),
-            (GOOD.replace("[[vary]]", "unit_cells = 4\nmaterial = {}\n[[vary]]"), "with materials each cell is a unit"),
+            (
+                GOOD.replace("[[vary]]", "unit_cells = 4\nmaterial = {}\n[[vary]]"),
+                "with materials each cell is a unit",
+            ),
             (patch("[patches.set]\ncortex_um = 0.3\n"), "patches[0].set fixes cortex_um too"),
             (patch("[[patches]]\nname = 'a'\n"), "patches[1].name is that of another patch"),
             (GOOD.replace("[[vary]]", "samples = 1\n[[vary]]"), "samples is 1, outside 2 to 100000"),

@@ -73,19 +73,26 @@ fn unit(atlas: &Atlas, cells: &[usize], catalog: &Catalog, progress: &dyn Progre
         Ok((cell, found))
     };
     let found: Vec<(usize, Cell)> = cells.par_iter().with_max_len(1).map(one).collect::<Result<_>>()?;
-    let mut values: Vec<SweepValues> = atlas
-        .layout()
-        .arrays
-        .iter()
-        .map(|array| if array.is_bytes { SweepValues::Bytes(Vec::new()) } else { SweepValues::Floats(Vec::new()) })
-        .collect();
+    let mut values: Vec<SweepValues> =
+        atlas
+            .layout()
+            .arrays
+            .iter()
+            .map(|array| {
+                if array.is_bytes { SweepValues::Bytes(Vec::new()) } else { SweepValues::Floats(Vec::new()) }
+            })
+            .collect();
     let mut materials = Vec::new();
     for (cell, Cell { values: own, material }) in found {
         for (all, own) in values.iter_mut().zip(own) {
             match (all, own) {
                 (SweepValues::Floats(all), SweepValues::Floats(own)) => all.extend(own),
                 (SweepValues::Bytes(all), SweepValues::Bytes(own)) => all.extend(own),
-                _ => return Err(Error::machine(format!("cell {cell} has values of another kind than the store"))),
+                _ => {
+                    return Err(Error::machine(format!(
+                        "cell {cell} has values of another kind than the store"
+                    )));
+                }
             }
         }
         materials.extend(material.map(|bytes| (cell, bytes)));

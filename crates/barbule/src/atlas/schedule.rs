@@ -187,7 +187,8 @@ mod tests {
     fn what_fails_is_done_again_and_everything_ends() {
         let faults = Faults { failing_part: 0.2, start_s: 1.0, ..Faults::NONE };
         let units = vec![1.0; 500];
-        for schedule in [Schedule::taken(&units, 7, &faults, 3), Schedule::shared_out(&units, 7, &faults, 3)] {
+        for schedule in [Schedule::taken(&units, 7, &faults, 3), Schedule::shared_out(&units, 7, &faults, 3)]
+        {
             assert!((80..180).contains(&schedule.repeated), "{schedule:?}");
             assert!(schedule.efficiency > 0.5 && schedule.efficiency < 0.9, "{schedule:?}");
         }

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use barbule_base::record;
 
 use crate::error::shortened;
-use crate::fields::{
-    FieldValue, Kind, Map, Record as _, Value, list, number, path_of, within, wrong_kind,
-};
+use crate::fields::{FieldValue, Kind, Map, Record as _, Value, list, number, path_of, within, wrong_kind};
 use crate::identity::Hasher;
 use crate::{Error, Result};
 
@@ -110,11 +108,14 @@ impl Steps {
     pub fn drawn(&self, part: f64, path: &str) -> Result<f64> {
         let between = |low: f64, high: f64| Ok(low + part * (high - low));
         match self {
-            Self::Span([low, high]) | Self::Stepped([low, high, _]) | Self::Counted(Counted { low, high, .. }) => {
+            Self::Span([low, high])
+            | Self::Stepped([low, high, _])
+            | Self::Counted(Counted { low, high, .. }) => {
                 if low < high {
                     return between(*low, *high);
                 }
-                Err(Error::input(format!("{path} ends at {high}, but must end above {low}, where it begins")).about(path))
+                Err(Error::input(format!("{path} ends at {high}, but must end above {low}, where it begins"))
+                    .about(path))
             }
             Self::List(_) => {
                 let values = self.values(path)?;
@@ -143,7 +144,11 @@ impl FieldValue for Steps {
                 read.collect::<Result<_>>().map(Self::List)
             }
             Value::Number(_) => Ok(Self::List(vec![number(value, path)?])),
-            _ => Err(wrong_kind(value, path, "a number, a list of them, \"low:high:step\", or a table of low, high and count")),
+            _ => Err(wrong_kind(
+                value,
+                path,
+                "a number, a list of them, \"low:high:step\", or a table of low, high and count",
+            )),
         }
     }
 

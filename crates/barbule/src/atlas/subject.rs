@@ -11,7 +11,9 @@ use crate::inverse;
 use crate::io::read_flat_stack;
 use crate::open::{Opening, structure, subject};
 use crate::progress::Progress;
-use crate::structure::{FlatStack, GeneratorParameters, MaterialSource, SpeciesFile, SpeciesModel, Structure};
+use crate::structure::{
+    FlatStack, GeneratorParameters, MaterialSource, SpeciesFile, SpeciesModel, Structure,
+};
 use crate::{Error, Result};
 
 /// Layers of stacks, nm.
@@ -47,9 +49,13 @@ impl Subject {
         match structure(text, opening, progress)? {
             Structure::Species(_) => match subject(text, library)? {
                 inverse::Subject::Species { file, model } => Ok(Self::Species { file, model }),
-                inverse::Subject::Lattice(_) => refuse("is a lattice; give a species that has one, as in mallard"),
+                inverse::Subject::Lattice(_) => {
+                    refuse("is a lattice; give a species that has one, as in mallard")
+                }
             },
-            Structure::Below(_) => refuse("is a lower side, which atlases do not sweep; give the structure itself"),
+            Structure::Below(_) => {
+                refuse("is a lower side, which atlases do not sweep; give the structure itself")
+            }
             Structure::Stack(flat) => Ok(Self::Stack(flat)),
             Structure::Sections { .. } => {
                 let path = Path::new(text);
@@ -59,7 +65,9 @@ impl Subject {
                     false => FlatStack::parse(text, library.clone()).ok(),
                 };
                 let Some(mut flat) = flat else {
-                    return refuse("has no sizes with names; give a species, a stack, or the .toml file of either");
+                    return refuse(
+                        "has no sizes with names; give a species, a stack, or the .toml file of either",
+                    );
                 };
                 opening.media.remember_in_stack(&mut flat);
                 Ok(Self::Stack(Box::new(flat)))
@@ -114,7 +122,8 @@ impl Subject {
             Self::Species { file, model } => {
                 let keys = GeneratorParameters::keys(&file.generator)?;
                 let is_whole = |name: &str| {
-                    keys.iter().any(|key| key.name == name && matches!(key.kind, Kind::Number { whole: true, .. }))
+                    keys.iter()
+                        .any(|key| key.name == name && matches!(key.kind, Kind::Number { whole: true, .. }))
                 };
                 let value = |(name, size): &(String, f64)| match is_whole(name) && size.fract() == 0.0 {
                     true => Value::from(*size as i64),

@@ -131,7 +131,8 @@ fn another_plan_or_width_does_not_go_on_with_a_store() {
         assert!(message.contains(part), "{message}");
     }
     let plan = Plan::parse(SMALL).unwrap();
-    let scalar = Atlas::new(&plan, Path::new("."), &Opening::default(), Width::scalar(), &Unobserved).unwrap();
+    let scalar =
+        Atlas::new(&plan, Path::new("."), &Opening::default(), Width::scalar(), &Unobserved).unwrap();
     if Width::best().name() != "scalar" {
         let error = scalar.create(&path).map(drop).unwrap_err();
         assert_eq!(error.arguments(), ["width"]);
@@ -141,9 +142,14 @@ fn another_plan_or_width_does_not_go_on_with_a_store() {
 #[test]
 fn cells_that_are_no_structure_are_refused_or_empty() {
     // Cores must not fill more than their highest part.
-    let text = SMALL.replace("melanosome_diameter_um", "core_fraction_high").replace("[0.2, 0.25, 0.3]", "[0.2, 0.7]");
+    let text = SMALL
+        .replace("melanosome_diameter_um", "core_fraction_high")
+        .replace("[0.2, 0.25, 0.3]", "[0.2, 0.7]");
     let message = atlas(&text).map(drop).unwrap_err().to_string();
-    assert!(message.contains("core_fraction_high 0.2") && message.contains("impossible = \"empty\""), "{message}");
+    assert!(
+        message.contains("core_fraction_high 0.2") && message.contains("impossible = \"empty\""),
+        "{message}"
+    );
     let folder = tempfile::tempdir().unwrap();
     let empty = atlas(&text.replace("unit_cells", "impossible = 'empty'\nunit_cells")).unwrap();
     let store = empty.create(&folder.path().join("s.zarr")).unwrap();
@@ -158,7 +164,10 @@ fn a_forecast_counts_the_files_that_are_then_there() {
     let folder = tempfile::tempdir().unwrap();
     let atlas = atlas(SMALL).unwrap();
     let forecast = foretell(&atlas, &Unobserved).unwrap();
-    assert!(forecast.seconds > 0.0 && forecast.memory_bytes > 0 && forecast.core_hours() > 0.0, "{forecast:?}");
+    assert!(
+        forecast.seconds > 0.0 && forecast.memory_bytes > 0 && forecast.core_hours() > 0.0,
+        "{forecast:?}"
+    );
     let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
     run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
     assert_eq!(bytes_of(&folder.path().join("s.zarr")).len(), forecast.files);
@@ -201,5 +210,8 @@ values = '200:400'
     assert_eq!(group["attributes"]["labels"]["patch"], serde_json::json!(["thin", "thick"]));
     assert_eq!(group["attributes"]["coordinates"], "layer1");
     let layer = &group["consolidated_metadata"]["metadata"]["layer1"];
-    assert_eq!((&layer["attributes"]["units"], &layer["dimension_names"][0]), (&"nm".into(), &"sample".into()));
+    assert_eq!(
+        (&layer["attributes"]["units"], &layer["dimension_names"][0]),
+        (&"nm".into(), &"sample".into())
+    );
 }

@@ -79,7 +79,8 @@ pub(super) fn panels(atlas: &Atlas) -> Vec<Panel> {
     }
     let axes = &layout.cells;
     let lengths: Vec<usize> = axes.iter().map(|axis| axis.values.len()).collect();
-    let long: Vec<usize> = (0..axes.len()).filter(|i| lengths[*i] > 1 && axes[*i].labels.is_empty()).collect();
+    let long: Vec<usize> =
+        (0..axes.len()).filter(|i| lengths[*i] > 1 && axes[*i].labels.is_empty()).collect();
     let x = long.last().copied().unwrap_or(axes.len() - 1);
     let y = long.len().checked_sub(2).map(|at| long[at]);
     let others: Vec<usize> = (0..axes.len()).filter(|i| *i != x && Some(*i) != y).collect();
@@ -150,7 +151,11 @@ fn sampled(atlas: &Atlas) -> Vec<Panel> {
         if low < high { [low, high] } else { [low - 0.5, low + 0.5] }
     };
     let of_key = |index: usize| match keys.get(index) {
-        Some(key) => Span { label: labelled(&key.name, &key.units), range: ends(&key.values), at: (0..places).collect() },
+        Some(key) => Span {
+            label: labelled(&key.name, &key.units),
+            range: ends(&key.values),
+            at: (0..places).collect(),
+        },
         None => Span::none(),
     };
     let (x, y) = (of_key(0), of_key(1));
@@ -261,7 +266,11 @@ pub fn atlas_map(title: &str, atlas: &Atlas, colours: &AtlasColours, page: &Page
         [] => Err(Error::input("the atlas has no cell to draw")),
         [one] => Ok(one.draw_on(page)),
         several => {
-            let more = if count > MOST_MAPS { format!(" (the first {MOST_MAPS} of {count} maps)") } else { String::new() };
+            let more = if count > MOST_MAPS {
+                format!(" (the first {MOST_MAPS} of {count} maps)")
+            } else {
+                String::new()
+            };
             Ok(abreast(&format!("{title}{more}"), several, page))
         }
     }

@@ -24,7 +24,11 @@ const PART: f64 = 1e-4;
 ///
 /// # Errors
 /// The atlas has no colours, nothing is in its store yet, or it has more cells than a page holds.
-pub fn atlas_page(atlas: &Atlas, store: &SweepStore, notes: &[(&str, &str)]) -> Result<Vec<(String, Vec<u8>)>> {
+pub fn atlas_page(
+    atlas: &Atlas,
+    store: &SweepStore,
+    notes: &[(&str, &str)],
+) -> Result<Vec<(String, Vec<u8>)>> {
     let curve = atlas.angles_deg().len() * atlas.wavelengths().len();
     if atlas.cells() > MOST_CELLS || atlas.cells() * curve > MOST_NUMBERS {
         return Err(Error::input(format!(
@@ -39,8 +43,9 @@ pub fn atlas_page(atlas: &Atlas, store: &SweepStore, notes: &[(&str, &str)]) -> 
         return Err(Error::input("nothing is in the store yet; compute some of it first"));
     }
     let (means, stds) = (store.numbers("mean")?, store.numbers("std")?);
-    let cells: Vec<Value> =
-        (0..atlas.cells()).map(|cell| of_cell(atlas, &colours, cell, means[cell].as_deref(), stds[cell].as_deref())).collect();
+    let cells: Vec<Value> = (0..atlas.cells())
+        .map(|cell| of_cell(atlas, &colours, cell, means[cell].as_deref(), stds[cell].as_deref()))
+        .collect();
     let panels: Vec<Value> = panels(atlas).iter().map(of_panel).collect();
     let data = json!({
         "nm": atlas.wavelengths().nm(),
@@ -70,7 +75,9 @@ fn of_cell(
     mean: Option<&[f64]>,
     std: Option<&[f64]>,
 ) -> Value {
-    let (Some(Some(own)), Some(mean), Some(std)) = (colours.of.get(cell), mean, std) else { return Value::Null };
+    let (Some(Some(own)), Some(mean), Some(std)) = (colours.of.get(cell), mean, std) else {
+        return Value::Null;
+    };
     let count = atlas.wavelengths().len();
     let whole = |values: &[f64]| -> Vec<Vec<i64>> {
         values.chunks(count).map(|row| row.iter().map(|v| (v / PART).round() as i64).collect()).collect()
@@ -80,7 +87,9 @@ fn of_cell(
 }
 
 fn of_panel(panel: &Panel) -> Value {
-    let ends = |range: [f64; 2]| range.map(|end| format!("{end:.4}").trim_end_matches('0').trim_end_matches('.').to_owned());
+    let ends = |range: [f64; 2]| {
+        range.map(|end| format!("{end:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+    };
     json!({
         "title": panel.title,
         "xLabel": panel.x.label,
@@ -126,7 +135,9 @@ values = [200, 300, 500]
         let atlas =
             Atlas::new(&plan, Path::new("."), &Opening::default(), Width::best(), &Unobserved).unwrap();
         let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
-        assert!(atlas_page(&atlas, &store, &[]).unwrap_err().to_string().contains("nothing is in the store yet"));
+        assert!(
+            atlas_page(&atlas, &store, &[]).unwrap_err().to_string().contains("nothing is in the store yet")
+        );
         run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
         let files = atlas_page(&atlas, &store, &[]).unwrap();
         assert_eq!(files.len(), 2 + 9);

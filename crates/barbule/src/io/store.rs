@@ -18,8 +18,8 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 pub(super) use self::aside::{Files, create_folder, sweep_beside};
-pub(super) use self::layout::{ATLAS, difference};
 use self::layout::{ARRAYS, Arrays, Attributes};
+pub(super) use self::layout::{ATLAS, difference};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};

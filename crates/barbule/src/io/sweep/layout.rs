@@ -194,9 +194,17 @@ impl SweepLayout {
     /// Everything that has values along one axis: name, axis, units, meaning, values.
     fn named(&self) -> impl Iterator<Item = (&str, &str, &str, &str, Numbers)> {
         let axes = self.cells.iter().chain(&self.further);
-        let own = axes.map(|a| (a.name.as_str(), a.name.as_str(), a.units.as_str(), a.meaning.as_str(), a.values.clone()));
+        let own = axes.map(|a| {
+            (a.name.as_str(), a.name.as_str(), a.units.as_str(), a.meaning.as_str(), a.values.clone())
+        });
         let others = self.coordinates.iter().map(|c| {
-            (c.name.as_str(), c.axis.as_str(), c.units.as_str(), c.meaning.as_str(), Numbers::Floats(c.values.clone()))
+            (
+                c.name.as_str(),
+                c.axis.as_str(),
+                c.units.as_str(),
+                c.meaning.as_str(),
+                Numbers::Floats(c.values.clone()),
+            )
         });
         own.chain(others)
     }
@@ -391,7 +399,8 @@ impl SweepLayout {
 
 /// What a store's folder of materials says about itself.
 fn materials_group() -> Value {
-    let about = json!({"long_name": "materials of the cells, files N.barbule by the cells' numbers in C order"});
+    let about =
+        json!({"long_name": "materials of the cells, files N.barbule by the cells' numbers in C order"});
     json!({"zarr_format": 3, "node_type": "group", "attributes": about})
 }
 

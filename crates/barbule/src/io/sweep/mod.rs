@@ -307,9 +307,10 @@ impl SweepStore {
     /// # Errors
     /// There is no such array of numbers.
     pub fn numbers(&self, name: &str) -> Result<Vec<Option<Vec<f64>>>> {
-        let index = self.layout.arrays.iter().position(|array| array.name == name).ok_or_else(|| {
-            Error::input(format!("there is no array '{name}' in it")).in_file(&self.path)
-        })?;
+        let index =
+            self.layout.arrays.iter().position(|array| array.name == name).ok_or_else(|| {
+                Error::input(format!("there is no array '{name}' in it")).in_file(&self.path)
+            })?;
         let each = self.layout.cell_len(index).max(1);
         let mut all = vec![None; self.layout.count()];
         for unit in 0..self.layout.units() {

@@ -37,9 +37,13 @@ fn layout() -> SweepLayout {
 
 fn unit(layout: &SweepLayout, unit: usize) -> SweepUnit {
     let cells: Vec<usize> = layout.cells_of(unit).into_iter().flatten().collect();
-    let values = |f: &dyn Fn(usize) -> f64| cells.iter().flat_map(|cell| [f(*cell), f(*cell) + 0.5]).collect();
+    let values =
+        |f: &dyn Fn(usize) -> f64| cells.iter().flat_map(|cell| [f(*cell), f(*cell) + 0.5]).collect();
     let bytes = cells.iter().flat_map(|cell| [*cell as u8, 0]).collect();
-    SweepUnit { values: vec![SweepValues::Floats(values(&|cell| cell as f64)), SweepValues::Bytes(bytes)], materials: Vec::new() }
+    SweepUnit {
+        values: vec![SweepValues::Floats(values(&|cell| cell as f64)), SweepValues::Bytes(bytes)],
+        materials: Vec::new(),
+    }
 }
 
 fn message<T>(result: Result<T>) -> String {
@@ -98,7 +102,9 @@ fn coordinates_are_restored_and_other_stores_refused() {
     assert!(message(SweepStore::create(&path, other)).contains("sweep.seed: 1 there, 2 here"));
     let wider = SweepLayout { width: "wide".into(), ..layout() };
     assert!(message(SweepStore::create(&path, wider)).contains("computed with scalar instructions"));
-    assert!(message(crate::io::store::Store::open(&path)).contains("is an atlas, not the store of a campaign"));
+    assert!(
+        message(crate::io::store::Store::open(&path)).contains("is an atlas, not the store of a campaign")
+    );
     assert!(message(SweepStore::create(&path.join("inner.zarr"), layout())).contains("inside another store"));
     assert!(message(SweepStore::open(&folder.path().join("none.zarr"), layout())).contains("no such store"));
 }
@@ -109,7 +115,9 @@ fn layouts_that_no_store_can_have_are_refused() {
     let path = folder.path().join("s.zarr");
     let mut twice = layout();
     twice.arrays[0].name = "a_um".into();
-    assert!(message(SweepStore::create(&path, twice)).contains("two things in the store would be called 'a_um'"));
+    assert!(
+        message(SweepStore::create(&path, twice)).contains("two things in the store would be called 'a_um'")
+    );
     let mut many = layout();
     many.cells[0].values = Numbers::Counts((0..300_000).collect());
     assert!(message(SweepStore::create(&path, many)).contains("1500000 cells"));

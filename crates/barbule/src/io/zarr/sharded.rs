@@ -38,7 +38,8 @@ impl Sharded {
     /// The content of the array's `zarr.json`.
     pub(in crate::io) fn metadata(&self) -> Value {
         let lengths = |of: &[(String, usize)]| of.iter().map(|(_, length)| *length).collect::<Vec<_>>();
-        let names: Vec<&str> = self.cells.iter().chain(&self.trailing).map(|(name, _)| name.as_str()).collect();
+        let names: Vec<&str> =
+            self.cells.iter().chain(&self.trailing).map(|(name, _)| name.as_str()).collect();
         let trailing = lengths(&self.trailing);
         let shape = [lengths(&self.cells), trailing.clone()].concat();
         let file = [self.block.clone(), trailing.clone()].concat();
