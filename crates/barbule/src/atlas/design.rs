@@ -94,7 +94,8 @@ impl Design {
     }
 
     /// The keys.
-    pub(super) fn keys(&self) -> &[Swept] {
+    #[cfg(test)]
+    fn keys(&self) -> &[Swept] {
         match self {
             Self::Grid(keys) | Self::Samples { keys, .. } => keys,
         }

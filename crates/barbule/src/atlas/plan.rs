@@ -198,8 +198,7 @@ impl Plan {
 }
 
 /// What a text of a plan names, as it is opened from anywhere: files lie where the plan's folder says.
-#[must_use]
-pub fn placed(text: &str, folder: &Path) -> String {
+pub(super) fn placed(text: &str, folder: &Path) -> String {
     if is_built_in(text) {
         return text.to_owned();
     }

@@ -10,7 +10,7 @@ use crate::identity::Hasher;
 use crate::{Error, Result};
 
 /// Values along one axis, at most.
-pub const MOST_STEPS: usize = 100_000;
+const MOST_STEPS: usize = 100_000;
 
 /// Half a millionth of a step forgives decimal steps such as 0.1.
 const SLACK: f64 = 1e-6;
