@@ -117,6 +117,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         ("render", "sensor") => files(Names::None, &["toml", "csv"]),
         (_, "medium") => Some(Kind { names: Names::None, extensions: TABLES, after: Some('=') }),
         (_, "measured") => files(Names::None, TABLES),
+        ("atlas", "plan") => files(Names::None, &["toml"]),
         ("trace", "image") => files(Names::None, &["png", "tif", "tiff", "jpg", "jpeg"]),
         ("trace", "output") => files(Names::None, &["json", "toml"]),
         ("geometry", "output") => files(Names::None, &["svg", "pdf", "png", "json"]),

@@ -18,7 +18,7 @@ pub(crate) const OUTPUTS: [&str; 6] = ["output", "csv", "summary", "law", "human
 const TABLES: [&str; 2] = ["csv", "summary"];
 
 /// Arguments whose values are folders that the program fills, and so no inputs.
-pub(crate) const FOLDERS: [&str; 4] = ["cache", "keep_store", "write_curves", "folder"];
+pub(crate) const FOLDERS: [&str; 5] = ["cache", "keep_store", "write_curves", "folder", "page"];
 
 /// A file that a command line asks to be written.
 struct Output {
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
 
     /// Arguments whose values are files or folders that are read.
-    const INPUTS: [&str; 5] = ["curves", "denoise", "image", "measured", "store"];
+    const INPUTS: [&str; 6] = ["curves", "denoise", "image", "measured", "plan", "store"];
 
     #[test]
     fn of_every_path_argument_it_is_known_whether_it_is_written() {

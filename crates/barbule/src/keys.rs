@@ -4,16 +4,19 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
+use crate::atlas::Plan;
 use crate::error::did_you_mean;
 use crate::fields::{Choice, Key, Kind, inner, schema, table_at};
 use crate::scene::description::scene_keys;
 use crate::structure::GeneratorParameters;
 use crate::{Error, Result};
 
-/// Kinds of files: `scene`, and `species:GENERATOR` for the parameters of each generator.
+/// Kinds of files: `scene`, `atlas` for the plans of atlases, and `species:GENERATOR` for the parameters of each generator.
 #[must_use]
 pub fn kinds() -> Vec<String> {
-    std::iter::once("scene".to_owned())
+    ["scene", "atlas"]
+        .map(str::to_owned)
+        .into_iter()
         .chain(GeneratorParameters::GENERATORS.iter().map(|generator| format!("species:{generator}")))
         .collect()
 }
@@ -26,6 +29,7 @@ pub fn keys_of(kind: &str, table: Option<&str>) -> Result<Vec<Key>> {
     let keys = match kind.strip_prefix("species:") {
         Some(generator) => GeneratorParameters::keys(generator)?,
         None if kind == "scene" => scene_keys(),
+        None if kind == "atlas" => Plan::file_keys(),
         None => {
             let kinds = kinds();
             let near = did_you_mean(kind, kinds.iter().map(String::as_str));
@@ -85,7 +89,7 @@ pub fn json_of(keys: &[Key]) -> Value {
 pub fn page() -> String {
     let mut page = String::from(
         "# All keys\n\nMade by the command `barbule keys` from the definitions that the readers use; a test holds this page to them. \
-         [Scenes](scene.md) and [species](species.md) are explained on pages of their own. `barbule keys scene camera` lists one table; \
+         [Scenes](scene.md), [species](species.md) and [plans of atlases](atlas.md) are explained on pages of their own. `barbule keys scene camera` lists one table; \
          the command's help says how to get a JSON schema for editors.\n",
     );
     for kind in kinds() {

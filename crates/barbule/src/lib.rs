@@ -41,6 +41,7 @@
 //! ω = (cosθ sinφ, sinθ, cosθ cosφ). Lengths are µm in structures and simulations, wavelengths nm in vacuum, angles
 //! radians; feather-scale lengths are mm. Magnetic fields are scaled by the vacuum impedance.
 
+pub mod atlas;
 pub mod campaign;
 pub mod characterize;
 pub mod clock;

@@ -1,4 +1,4 @@
-//! `barbule keys`: the keys of scene and species files, as their readers define them.
+//! `barbule keys`: the keys of scenes, species and plans of atlases, as their readers define them.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ use crate::common::{Common, print, print_json};
 #[command(after_help = "Examples:\n  barbule keys scene camera\n  barbule keys species:starling\n  \
     barbule keys scene --schema > scene.schema.json")]
 pub(crate) struct Args {
-    /// scene, or species:GENERATOR [default: lists them]
+    /// scene, atlas, or species:GENERATOR [default: lists them]
     #[arg(value_name = "KIND")]
     kind: Option<String>,
     /// One of its tables, as in camera or feather.distal

@@ -5,6 +5,7 @@ use std::io::Write;
 use barbule::Result;
 use clap::Subcommand;
 
+mod atlas;
 mod bench;
 mod birds;
 mod brdf;
@@ -62,6 +63,8 @@ pub(crate) enum Command {
     FitStructure(fit_structure::Args),
     /// Simulate and fit: from a structure to its material
     Characterize(characterize::Args),
+    /// Sweep sizes of a structure into one store: spectra, colours, maps, a page
+    Atlas(atlas::Args),
     /// List or clear the materials computed on first use
     Cache(cache::Args),
     /// A cross section, drawn to scale or as JSON
@@ -74,7 +77,7 @@ pub(crate) enum Command {
     Feather(feather::Args),
     /// Print completions for a shell
     Completions(completions::Args),
-    /// The keys of scene and species files: listings, schemas for editors
+    /// The keys of scenes, species and plans of atlases: listings, schemas for editors
     Keys(keys::Args),
     /// Render a picture of a feather
     Render(render::Args),
@@ -103,6 +106,7 @@ impl Command {
             Self::Fit(args) => args.run(out),
             Self::FitStructure(args) => args.run(out),
             Self::Characterize(args) => args.run(out),
+            Self::Atlas(args) => args.run(out),
             Self::Cache(args) => args.run(out),
             Self::Geometry(args) => args.run(out),
             Self::Trace(args) => args.run(out),

@@ -24,6 +24,10 @@ const SCENE: &str = "preset = 'starling'\nmaterial = 'made.barbule'\n[background
     [[objects]]\nrectangle_mm = [1, 1]\nsurface = 'paint'\n    [[objects]]\ncurves = 'c.txt'\nsurface = 'b'\n[[objects]]\nmesh = 'm.gltf'\nsurface = 'a'\n\
     [[objects]]\nmesh = 'm.ply'\nsurface = 'scales'\n";
 
+/// The plan of an atlas that names a stack and a bird.
+const PLAN: &str = "barbule = 1\nname = 'x'\nstructure = 'stack.toml'\nbirds = ['bird.toml']\nindividuals = 1\n\
+    wavelengths_nm = '300:700:20'\n[[vary]]\nkey = 'layer1'\nvalues = [300, 310]\n";
+
 /// Each command that writes with its inputs; then the flags of its outputs, and the files that it reads, under whatever
 /// names. `@` is the folder.
 const LINES: &[(&str, &[&str], &[&str])] = &[
@@ -49,6 +53,8 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
     ("species @mine.toml", &["-o"], &["mine.toml"]),
     ("feather @mine.toml", &["-o"], &["mine.toml"]),
     ("birds @bird.toml", &["-o"], &["bird.toml"]),
+    ("atlas @plan.toml", &["-o"], &["plan.toml", "stack.toml", "n.csv", "bird.toml"]),
+    ("atlas @plan.toml -o @a.zarr", &["--picture"], &["plan.toml", "stack.toml", "n.csv", "bird.toml"]),
     (
         "see @r.csv --bird @bird.toml --illuminant @lamp.csv",
         &["-o", "--csv"],
@@ -93,7 +99,7 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
 
 fn inputs(folder: &Path) {
     let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
-    for name in ["secs", "v", "curves"] {
+    for name in ["secs", "v", "curves", "p"] {
         fs::create_dir(folder.join(name)).unwrap();
     }
     write("in.json", SECTION);
@@ -106,6 +112,8 @@ fn inputs(folder: &Path) {
     write("r.csv", "400,0.1\n700,0.2\n");
     write("z.txt", "0 1\n1 0\n");
     write("stack.toml", "stack = 'air/chitin:300/air'\n[materials]\nchitin = 'n.csv'\n");
+    write("plan.toml", PLAN);
+    write("p/index.html", &PLAN.replace("stack.toml", "../stack.toml").replace("bird.toml", "../bird.toml"));
     write("lattice.toml", LATTICE);
     write("s.toml", SCENE);
     write("m.gltf", r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "x.txt", "byteLength": 4}]}"#);
@@ -190,7 +198,8 @@ fn no_command_writes_over_any_kind_of_its_inputs() {
 
 #[test]
 fn every_command_that_writes_is_tried() {
-    const WRITTEN: [&str; 7] = ["output", "csv", "summary", "human", "store", "folder", "write_curves"];
+    const WRITTEN: [&str; 8] =
+        ["output", "csv", "summary", "human", "store", "folder", "page", "write_curves"];
     let tried: BTreeSet<&str> =
         LINES.iter().filter_map(|(line, ..)| line.split_whitespace().next()).collect();
     let mut command = barbule_cli::command();
@@ -231,6 +240,7 @@ fn names_that_only_the_command_makes_up_are_refused_too() {
         ("feather @s.toml --level barbs -o @c.txt", "c.txt: would be overwritten"),
         ("feather @s.toml --level barbs -o @x.txt", "x.txt: would be overwritten"),
         ("bench render --curves @curves --write-curves @curves", "feather_barbs.txt: would be overwritten"),
+        ("atlas @p/index.html -o @a.zarr --page @p", "index.html: would be overwritten"),
     ] {
         let (code, text) = run(at, line);
         assert!(code == 2 && text.contains(part) && text.lines().count() == 1, "{line}\n{text}");

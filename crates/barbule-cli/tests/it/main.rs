@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 
+mod atlas;
 mod bench_render;
 mod birds;
 mod brdf;

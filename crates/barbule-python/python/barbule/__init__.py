@@ -10,6 +10,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 from __future__ import annotations
 
 from . import vision
+from ._atlas import Forecast, Outcome, atlas, foretell
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
 from ._inverse import Fitted, Size, Solution, fit_structure
@@ -36,6 +37,7 @@ __all__ = [
     "BarbuleError",
     "DoubtWarning",
     "Fitted",
+    "Forecast",
     "Heights",
     "InputError",
     "Interval",
@@ -43,6 +45,7 @@ __all__ = [
     "Material",
     "Measured",
     "NotSettledError",
+    "Outcome",
     "Picture",
     "Quantity",
     "Scene",
@@ -53,6 +56,7 @@ __all__ = [
     "Traced",
     "Written",
     "angle_law",
+    "atlas",
     "birds",
     "characterize",
     "colours",
@@ -64,6 +68,7 @@ __all__ = [
     "film",
     "fit",
     "fit_structure",
+    "foretell",
     "intervals",
     "measured",
     "open",

@@ -198,6 +198,21 @@ def simulate(
     threads: int | None,
     progress: _Watch,
 ) -> tuple[int, int]: ...
+def atlas(
+    plan: Path,
+    store: Path,
+    shard: tuple[int, int],
+    seed: int,
+    media: _Media,
+    simd: str | None,
+    cache: Path | None,
+    memory_bytes: int | None,
+    threads: int | None,
+    progress: _Watch,
+) -> tuple[int, int, int, list[tuple[int, float]]]: ...
+def foretell_atlas(
+    plan: Path, seed: int, media: _Media, threads: int | None, progress: _Watch
+) -> tuple[int, int, int, int, int, int, list[float], float]: ...
 def fit(store: Path, sigma: float | None, threads: int | None, progress: _Watch) -> Material: ...
 @final
 class Structure:

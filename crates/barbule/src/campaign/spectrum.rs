@@ -171,6 +171,19 @@ pub fn spectra(structure: &Structure, request: &SpectrumRequest, progress: &dyn 
     Ok(spectra_and_individuals(structure, request, progress)?.0)
 }
 
+/// The same with these SIMD instructions, on which roundings depend: machines that share work use the same.
+///
+/// # Errors
+/// As [`spectra`].
+pub fn spectra_by(
+    width: Width,
+    structure: &Structure,
+    request: &SpectrumRequest,
+    progress: &dyn Progress,
+) -> Result<Spectra> {
+    Ok(with_individuals(width, structure, request, progress)?.0)
+}
+
 /// The same with the instances one by one.
 ///
 /// # Errors
@@ -180,9 +193,18 @@ pub fn spectra_and_individuals(
     request: &SpectrumRequest,
     progress: &dyn Progress,
 ) -> Result<(Spectra, Individuals)> {
+    with_individuals(Width::best(), structure, request, progress)
+}
+
+fn with_individuals(
+    width: Width,
+    structure: &Structure,
+    request: &SpectrumRequest,
+    progress: &dyn Progress,
+) -> Result<(Spectra, Individuals)> {
     let columns = request.wavelengths.len();
     let individuals =
-        Individuals { fractions: fractions(structure, request, progress)?, wavelengths: columns };
+        Individuals { fractions: fractions(width, structure, request, progress)?, wavelengths: columns };
     let (mean, std) = moments(&individuals, request.directions.len());
     let mirror = request.directions.iter().map(|&(theta_i, phi_i)| {
         let of_mirror = |&nm: &f64| mirror_fraction(structure.width_um(), nm, theta_i, phi_i);
@@ -209,6 +231,7 @@ fn moments(individuals: &Individuals, directions: usize) -> (Vec<Vec<f64>>, Vec<
 
 /// Reflected fractions, `[instance][direction · wavelength]`; instances in parallel.
 fn fractions(
+    width: Width,
     structure: &Structure,
     request: &SpectrumRequest,
     progress: &dyn Progress,
@@ -217,7 +240,7 @@ fn fractions(
     progress.begin("simulating", (request.instances * request.wavelengths.len()) as u64);
     (0..request.instances)
         .into_par_iter()
-        .map(|instance| of_instance(structure, request, crystal.as_ref(), instance, progress))
+        .map(|instance| of_instance(width, structure, request, crystal.as_ref(), instance, progress))
         .collect()
 }
 
@@ -243,6 +266,7 @@ pub(super) const DIRECTIONS_AT_ONCE: usize = 256;
 
 /// Reflected fractions of one instance, `[direction · wavelength]`.
 fn of_instance(
+    width: Width,
     structure: &Structure,
     request: &SpectrumRequest,
     crystal: Option<&Crystal>,
@@ -253,7 +277,7 @@ fn of_instance(
     let barbule = Barbule::new(&section, ELEMENT_UM, window(structure))?;
     let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.directions.len() * columns];
-    let mut workspace = Workspace::new(Width::best());
+    let mut workspace = Workspace::new(width);
     for (column, &wavelength_nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
             return Err(Error::interrupted());

@@ -1,6 +1,8 @@
 //! Figures of sections, spectra and materials.
 
 mod angle_law;
+mod atlas;
+mod atlas_page;
 mod diffraction;
 mod far_fields;
 mod inverse;
@@ -13,6 +15,8 @@ mod values;
 mod vision;
 
 pub use angle_law::{FollowedPeaks, angle_law};
+pub use atlas::{AtlasColours, atlas_map};
+pub use atlas_page::atlas_page;
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use inverse::inverse;

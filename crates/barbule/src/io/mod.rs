@@ -30,6 +30,7 @@ mod sensor;
 mod species;
 mod stack;
 pub mod store;
+pub mod sweep;
 pub mod tables;
 mod temporary;
 mod units;

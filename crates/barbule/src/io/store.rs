@@ -24,6 +24,7 @@ use self::layout::{ARRAYS, Arrays, Attributes};
 use self::running::Own;
 pub use self::running::{Announced, Run};
 pub use self::survey::{Part, Survey};
+pub(super) use self::layout::{ATLAS, difference};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};

@@ -5,9 +5,13 @@
 //!
 //! Specification: <https://zarr-specs.readthedocs.io/en/latest/v3/core/index.html>.
 
+mod sharded;
+
 use crc32c::crc32c;
 use num_complex::Complex;
 use serde_json::{Map, Value, json};
+
+pub(super) use self::sharded::Sharded;
 
 /// Length of a checksum, bytes.
 const CHECKSUM: usize = 4;
@@ -19,6 +23,7 @@ pub(super) enum DataType {
     Float64,
     Complex64,
     UInt64,
+    UInt8,
 }
 
 impl DataType {
@@ -28,11 +33,16 @@ impl DataType {
             Self::Float64 => "float64",
             Self::Complex64 => "complex64",
             Self::UInt64 => "uint64",
+            Self::UInt8 => "uint8",
         }
     }
 
     fn bytes(self) -> usize {
-        if self == Self::Float32 { 4 } else { 8 }
+        match self {
+            Self::UInt8 => 1,
+            Self::Float32 => 4,
+            Self::Float64 | Self::Complex64 | Self::UInt64 => 8,
+        }
     }
 
     /// What readers put where a chunk is missing.
@@ -40,7 +50,7 @@ impl DataType {
         match self {
             Self::Float32 | Self::Float64 => json!("NaN"),
             Self::Complex64 => json!(["NaN", "NaN"]),
-            Self::UInt64 => json!(0),
+            Self::UInt64 | Self::UInt8 => json!(0),
         }
     }
 }
@@ -85,6 +95,18 @@ impl Element for u64 {
 
     fn put(self, bytes: &mut Vec<u8>) {
         bytes.extend_from_slice(&self.to_le_bytes());
+    }
+
+    fn get(bytes: &[u8]) -> Option<Self> {
+        bytes.try_into().ok().map(Self::from_le_bytes)
+    }
+}
+
+impl Element for u8 {
+    const DATA_TYPE: DataType = DataType::UInt8;
+
+    fn put(self, bytes: &mut Vec<u8>) {
+        bytes.push(self);
     }
 
     fn get(bytes: &[u8]) -> Option<Self> {
@@ -195,8 +217,11 @@ pub(super) fn group_metadata<'a>(
     attributes: &Map<String, Value>,
     arrays: impl Iterator<Item = &'a Array>,
 ) -> Value {
-    let metadata: Map<String, Value> =
-        arrays.map(|array| (array.name.to_owned(), array.metadata())).collect();
+    group_of(attributes, arrays.map(|array| (array.name.to_owned(), array.metadata())).collect())
+}
+
+/// The same of arrays, and groups inside, whose own `zarr.json` is given by name.
+pub(super) fn group_of(attributes: &Map<String, Value>, metadata: Map<String, Value>) -> Value {
     json!({
         "zarr_format": 3,
         "node_type": "group",

@@ -90,7 +90,7 @@ impl Media {
     }
 
     /// The same for a stack.
-    pub(super) fn remember_in_stack(&self, flat: &mut FlatStack) {
+    pub(crate) fn remember_in_stack(&self, flat: &mut FlatStack) {
         let regions = 0..flat.stack.layers() + 2;
         for (name, source) in &self.own {
             if regions.clone().any(|region| flat.stack.medium(region).contains(name)) {

@@ -39,7 +39,7 @@ pub use material::{Located, locate, made, material, material_of, worn};
 pub use media::Media;
 pub use scene::{description, folder_of, scene};
 pub use structure::{film_stack, is_built_in, lattice, lattice_of, stack, structure};
-pub use subject::target;
+pub use subject::{subject, target};
 pub use vision::{Simulation, Thing, eye, eye_names, light, things};
 
 use crate::Result;

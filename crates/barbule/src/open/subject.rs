@@ -53,8 +53,11 @@ pub fn target(
     Ok(Target::Structure { subject: subject(model, library)?, open, simulation })
 }
 
-/// A species or a lattice.
-fn subject(model: &str, library: &Library) -> Result<Subject> {
+/// A species by its name or file, with the file that its sizes can be written into; or a lattice, by `lattice` or its file.
+///
+/// # Errors
+/// Neither is called so; the file is missing, of another kind or damaged.
+pub fn subject(model: &str, library: &Library) -> Result<Subject> {
     if model == "lattice" {
         // Solid rods of melanin in keratin, as those of ducks.
         let (file, model) = species(SpeciesFile::builtin("mallard")?, None, library.clone())?;

@@ -32,7 +32,7 @@ impl Files {
     }
 
     /// Whether there is a file of this key.
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(in crate::io) fn has(&self, key: &str) -> bool {
         self.folder.join(key).is_file()
     }
 
@@ -48,7 +48,7 @@ impl Files {
     }
 
     /// Reads a file; `None` where there is none, it cannot be read, or has more than `most` bytes.
-    pub(super) fn read(&self, key: &str, most: usize) -> Option<Vec<u8>> {
+    pub(in crate::io) fn read(&self, key: &str, most: usize) -> Option<Vec<u8>> {
         let path = self.folder.join(key);
         let metadata = fs::metadata(&path).ok().filter(fs::Metadata::is_file)?;
         let length = usize::try_from(metadata.len()).ok().filter(|length| *length <= most)?;
@@ -85,14 +85,14 @@ impl Files {
     }
 
     /// Tries whether files can be written; nothing stays of it.
-    pub(super) fn probe(&self) -> io::Result<()> {
+    pub(in crate::io) fn probe(&self) -> io::Result<()> {
         let tried = again(|| self.temporary().and_then(|mut file| file.write_all(b"probe")));
         self.tidy();
         tried
     }
 
     /// Deletes what writers left that are no more; says how many files.
-    pub(super) fn sweep(&self) -> usize {
+    pub(in crate::io) fn sweep(&self) -> usize {
         sweep(&self.aside, |name| name.starts_with(PREFIX) || name.starts_with(running::PREFIX))
     }
 

@@ -15,6 +15,9 @@ use crate::{Error, Result};
 /// The version of the layout; others are not read.
 pub(super) const LAYOUT: u64 = 5;
 
+/// What the attribute of the version says in the store of an atlas.
+pub(in crate::io) const ATLAS: &str = "atlas";
+
 /// The attribute that says that both signs of φ_i were simulated, and how; without it φ_i ≥ 0 stands for both.
 const SIDES: &str = "sides";
 const BOTH: &str = "both";
@@ -189,6 +192,9 @@ pub(super) struct Attributes {
 impl Attributes {
     /// Reads the attributes of a group and says which arrays they ask for. The checksum is left to [`Self::matches`].
     pub(super) fn read(attributes: &Value) -> std::result::Result<(Self, Arrays), String> {
+        if attributes["barbule_store"] == json!(ATLAS) {
+            return Err("is an atlas, not the store of a campaign; xarray opens it, and `barbule atlas` goes on with it".into());
+        }
         let version =
             attributes["barbule_store"].as_u64().ok_or("is not a campaign store of this version")?;
         if version != LAYOUT {
@@ -358,7 +364,7 @@ fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String
 }
 
 /// The first place where two descriptions differ: `key: there → here`.
-fn difference(there: &Value, here: &Value, place: &str) -> Option<String> {
+pub(in crate::io) fn difference(there: &Value, here: &Value, place: &str) -> Option<String> {
     match (there, here) {
         (Value::Object(a), Value::Object(b)) => a.keys().chain(b.keys()).find_map(|key| {
             let place = if place.is_empty() { key.clone() } else { format!("{place}.{key}") };

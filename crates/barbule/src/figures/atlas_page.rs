@@ -1,0 +1,153 @@
+//! An atlas as a page that a browser opens from a folder: maps, the spectrum of the place that is touched, and a file of each
+//! structure. Nothing in it comes from elsewhere.
+
+use serde_json::{Value, json};
+
+use super::atlas::{AtlasColours, Panel, atlas_map, panels};
+use crate::atlas::Atlas;
+use crate::io::sweep::SweepStore;
+use crate::plot::{Format, Page};
+use crate::spectrum::look::hex;
+use crate::{Error, Result};
+
+/// The page but for its words and numbers.
+const TEMPLATE: &str = include_str!("atlas_page.html");
+
+/// Structures and numbers of spectra on one page, at most: they are in its text.
+const MOST_CELLS: usize = 20_000;
+const MOST_NUMBERS: usize = 10_000_000;
+
+/// Reflectances on the page are whole numbers of this part.
+const PART: f64 = 1e-4;
+
+/// The files of a page by their paths in its folder: `index.html`, `map.svg` with `notes` inside, and `structures/N.toml` of each cell.
+///
+/// # Errors
+/// The atlas has no colours, nothing is in its store yet, or it has more cells than a page holds.
+pub fn atlas_page(
+    atlas: &Atlas,
+    store: &SweepStore,
+    notes: &[(&str, &str)],
+) -> Result<Vec<(String, Vec<u8>)>> {
+    let curve = atlas.angles_deg().len() * atlas.wavelengths().len();
+    if atlas.cells() > MOST_CELLS || atlas.cells() * curve > MOST_NUMBERS {
+        return Err(Error::input(format!(
+            "a page holds up to {MOST_CELLS} structures and {MOST_NUMBERS} reflectances, but the atlas has {} and {}; open the store by xarray instead",
+            atlas.cells(),
+            atlas.cells() * curve
+        )));
+    }
+    let colours = AtlasColours::read(atlas, store)?;
+    let there = colours.of.iter().flatten().count();
+    if there == 0 {
+        return Err(Error::input("nothing is in the store yet; compute some of it first"));
+    }
+    let (means, stds) = (store.numbers("mean")?, store.numbers("std")?);
+    let cells: Vec<Value> = (0..atlas.cells())
+        .map(|cell| of_cell(atlas, &colours, cell, means[cell].as_deref(), stds[cell].as_deref()))
+        .collect();
+    let panels: Vec<Value> = panels(atlas).iter().map(of_panel).collect();
+    let data = json!({
+        "nm": atlas.wavelengths().nm(),
+        "angles": atlas.angles_deg(),
+        "cells": cells,
+        "panels": panels,
+    });
+    let about = format!("{there} of {} structures.", atlas.cells());
+    let index = TEMPLATE
+        .replace("@TITLE@", &escaped(atlas.name()))
+        .replace("@ABOUT@", &about)
+        // A closing tag in a text would end the script.
+        .replace("@DATA@", &data.to_string().replace("</", "<\\/"));
+    let map = atlas_map(atlas.name(), atlas, &colours, &Page::default())?.encode(Format::Svg, notes)?;
+    let mut files = vec![("index.html".to_owned(), index.into_bytes()), ("map.svg".to_owned(), map)];
+    for cell in (0..atlas.cells()).filter(|cell| colours.of[*cell].is_some()) {
+        files.push((format!("structures/{cell:06}.toml"), atlas.toml(cell)?.into_bytes()));
+    }
+    Ok(files)
+}
+
+/// A cell: its words, and of each angle colour, mean and spread.
+fn of_cell(
+    atlas: &Atlas,
+    colours: &AtlasColours,
+    cell: usize,
+    mean: Option<&[f64]>,
+    std: Option<&[f64]>,
+) -> Value {
+    let (Some(Some(own)), Some(mean), Some(std)) = (colours.of.get(cell), mean, std) else {
+        return Value::Null;
+    };
+    let count = atlas.wavelengths().len();
+    let whole = |values: &[f64]| -> Vec<Vec<i64>> {
+        values.chunks(count).map(|row| row.iter().map(|v| (v / PART).round() as i64).collect()).collect()
+    };
+    let hexes: Vec<String> = own.iter().map(|colour| hex(*colour)).collect();
+    json!({"w": atlas.words(cell), "c": hexes, "m": whole(mean), "s": whole(std)})
+}
+
+fn of_panel(panel: &Panel) -> Value {
+    let ends = |range: [f64; 2]| {
+        range.map(|end| format!("{end:.4}").trim_end_matches('0').trim_end_matches('.').to_owned())
+    };
+    json!({
+        "title": panel.title,
+        "xLabel": panel.x.label,
+        "yLabel": panel.y.label,
+        "x": ends(panel.x.range),
+        "y": ends(panel.y.range),
+        "columns": panel.x.at.len(),
+        "cells": panel.cells,
+    })
+}
+
+/// A text for the page.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::Unobserved;
+    use crate::atlas::{Plan, run};
+    use crate::math::simd::Width;
+    use crate::open::Opening;
+
+    #[test]
+    fn a_page_has_its_maps_its_spectra_and_a_file_of_each_structure() {
+        let text = "barbule = 1
+name = '</script><b>'
+structure = 'air/keratin:300/melanin:300/air'
+wavelengths_nm = '400:700:50'
+individuals = 1
+[[vary]]
+key = 'layer1'
+values = '200:300:50'
+[[vary]]
+key = 'layer2'
+values = [200, 300, 500]
+";
+        let folder = tempfile::tempdir().unwrap();
+        let plan = Plan::parse(text).unwrap();
+        let atlas =
+            Atlas::new(&plan, Path::new("."), &Opening::default(), Width::best(), &Unobserved).unwrap();
+        let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
+        assert!(
+            atlas_page(&atlas, &store, &[]).unwrap_err().to_string().contains("nothing is in the store yet")
+        );
+        run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
+        let files = atlas_page(&atlas, &store, &[]).unwrap();
+        assert_eq!(files.len(), 2 + 9);
+        let index = String::from_utf8(files[0].1.clone()).unwrap();
+        assert_eq!(index.matches("</script>").count(), 1);
+        assert!(index.contains("&lt;/script&gt;&lt;b&gt;") && !index.contains("http"), "{index}");
+        let svg = String::from_utf8(files[1].1.clone()).unwrap();
+        assert!(svg.contains("layer1 (nm)") && svg.contains("layer2 (nm)"), "{svg}");
+        let (name, toml) = &files[10];
+        assert_eq!(name, "structures/000008.toml");
+        assert_eq!(std::str::from_utf8(toml).unwrap(), "stack = \"air/keratin:300/melanin:500/air\"\n");
+    }
+}
