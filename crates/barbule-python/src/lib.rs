@@ -4,6 +4,7 @@
 //! in `python/barbule`. Whatever may take longer than 10 ms runs without the interpreter's lock ([`work`]).
 
 mod arrays;
+mod campaign;
 mod colour;
 mod crystal;
 mod diffraction;
@@ -27,6 +28,8 @@ mod work;
 /// What `barbule` is made of. Private: use `barbule`.
 #[pyo3::pymodule]
 mod _native {
+    #[pymodule_export]
+    use super::campaign::{Campaign, simd};
     #[pymodule_export]
     use super::colour::{delta_e_2000, xyz_of};
     #[pymodule_export]

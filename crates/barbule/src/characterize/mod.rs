@@ -2,7 +2,8 @@
 //! where finished materials are.
 //!
 //! [`CampaignOptions`] and a structure make a [`Plan`]; [`characterize`] simulates and fits it. A [`Catalog`] finds what
-//! is there already. [`Barbules`] are those that a material was made of, made again.
+//! is there already. [`Barbules`] are those that a material was made of, made again. [`Portions`] are a plan for workers on
+//! several machines.
 
 mod again;
 mod catalog;
@@ -11,6 +12,7 @@ mod grazing;
 mod halo;
 mod listing;
 mod options;
+mod portions;
 
 pub use again::{Barbules, species_of};
 pub use catalog::{Catalog, Found, Origin, as_filed};
@@ -20,6 +22,7 @@ use halo::HALO_VERSION;
 pub use halo::HaloPlan;
 pub use listing::{Cached, CachedMaterial, CachedOrders, Contents};
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM, outside_wavelengths};
+pub use portions::Portions;
 
 use std::path::Path;
 
