@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use barbule::campaign::Allowance;
 use barbule::characterize::Portions;
 use barbule::io::available_memory;
+use barbule::io::store::Store;
 use barbule::math::simd::Width;
 use pyo3::prelude::*;
 
@@ -57,6 +58,12 @@ impl Campaign {
         Ok(Self { portions })
     }
 
+    /// The SIMD instructions that a store is computed with; `None` where there is none that can be opened.
+    #[staticmethod]
+    fn simd_of(py: Python<'_>, store: PathBuf) -> Option<String> {
+        py.detach(|| Store::open(&store).ok().map(|store| store.width().to_owned()))
+    }
+
     /// The structure's name.
     #[getter]
     fn name(&self) -> String {
@@ -106,8 +113,8 @@ impl Campaign {
         Ok((outcome.computed, outcome.found))
     }
 
-    /// The files of a portion in the order of writing, relative to the store.
-    fn files(&self, py: Python<'_>, portion: usize) -> PyResult<Vec<String>> {
+    /// The files of each unit of a portion in the order of writing, relative to the store.
+    fn files(&self, py: Python<'_>, portion: usize) -> PyResult<Vec<Vec<String>>> {
         self.portions.files(portion).or_raise(py)
     }
 

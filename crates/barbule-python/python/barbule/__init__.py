@@ -9,7 +9,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 
 from __future__ import annotations
 
-from . import vision
+from . import distributed, vision
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
 from ._inverse import Fitted, Size, Solution, fit_structure
@@ -59,6 +59,7 @@ __all__ = [
     "compare",
     "crystal",
     "delta_e_2000",
+    "distributed",
     "export",
     "far_fields",
     "film",

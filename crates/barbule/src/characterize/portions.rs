@@ -131,12 +131,12 @@ impl Portions {
         Ok(self.units(portion)?.iter().all(|unit| self.store.is_whole(unit.wavelength, unit.theta)))
     }
 
-    /// The files of a portion's units, relative to the store, in the order of writing.
+    /// The files of each unit of a portion, relative to the store, in the order of writing.
     ///
     /// # Errors
     /// There is no such portion.
-    pub fn files(&self, portion: usize) -> Result<Vec<String>> {
-        Ok(self.units(portion)?.iter().flat_map(|unit| self.store.unit_files(*unit)).collect())
+    pub fn files(&self, portion: usize) -> Result<Vec<Vec<String>>> {
+        Ok(self.units(portion)?.iter().map(|unit| self.store.unit_files(*unit)).collect())
     }
 
     /// Computes what the store lacks of a portion, as every run of the campaign does. Several threads may compute different
@@ -284,7 +284,7 @@ mod tests {
             assert!(workers[0].is_whole(portion).unwrap());
             let again = workers[1].run(portion, &Unobserved).unwrap();
             assert_eq!((again.computed, again.found), (0, workers[0].units(portion).unwrap().len()));
-            written.extend(workers[0].files(portion).unwrap());
+            written.extend(workers[0].files(portion).unwrap().concat());
         }
         let there = files(&several);
         assert_eq!(files(&one), there);

@@ -1,0 +1,116 @@
+"""What runs on workers. Only imported where Dask is."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import threading
+from pathlib import Path
+from typing import Any
+
+from distributed import WorkerPlugin, get_worker  # type: ignore[import-not-found, import-untyped, unused-ignore]
+from distributed.system import MEMORY_LIMIT  # type: ignore[import-not-found, import-untyped, unused-ignore]
+
+from .. import __version__, _native
+from ..errors import InputError, MachineError
+from ._work import Prepared, Watch, Work
+
+#: The resource by which tasks say what memory they take, bytes.
+MEMORY = "barbule-memory"
+
+#: The names of work that is to stop, in this process.
+_stopping: set[str] = set()
+
+
+class Stopped(Exception):
+    """The client does not want the work any more."""
+
+
+def about_here() -> dict[str, Any]:
+    """What the client has to know of a worker."""
+    worker = get_worker()
+    return {
+        "version": __version__,
+        "simd": _native.simd(),
+        "memory_bytes": _memory_bytes(worker),
+        "threads": worker.state.nthreads,
+    }
+
+
+def stop(name: str) -> None:
+    """Stops the native calls of some work in this process."""
+    _stopping.add(name)
+
+
+def _memory_bytes(worker: Any) -> float:
+    limit = worker.memory_manager.memory_limit
+    return float(limit or MEMORY_LIMIT)
+
+
+class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
+    """Work on a worker: prepared with its first item, whichever thread has it, and once."""
+
+    def __init__(self, name: str, work: Work) -> None:
+        self.name = name
+        self._work = work
+
+    async def setup(self, worker: Any) -> None:
+        """Declares the worker's memory, on which tasks then count."""
+        self._lock = threading.Lock()
+        self._prepared: Prepared | None = None
+        self._folder = Path(tempfile.mkdtemp(prefix="barbule-", dir=worker.local_directory))
+        if MEMORY not in worker.state.total_resources:
+            await worker.set_resources(**{MEMORY: _memory_bytes(worker)})
+
+    def teardown(self, worker: Any) -> None:
+        """Stops what still runs, and forgets."""
+        stop(self.name)
+        if self._prepared is not None:
+            self._prepared.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def prepared(self) -> Prepared:
+        """The work, opened."""
+        with self._lock:
+            if self._prepared is None:
+                self._prepared = self._work.prepare(self._folder)
+            return self._prepared
+
+
+def run_items(name: str, number: int, first: int, end: int, threads: int) -> int:
+    """A task: computes items, and gives nothing back but its own number."""
+    worker = get_worker()
+    plugin = worker.plugins.get(name)
+    if not isinstance(plugin, Preparation):
+        raise MachineError("the worker does not know this work any more; call the same function again to go on")
+    watch = _watch(name, worker, worker.get_current_task())
+    prepared = plugin.prepared()
+    for item in range(first, end):
+        watch("", item, end)
+        prepared.run(item, threads, watch)
+    return number
+
+
+def _watch(name: str, worker: Any, key: Any) -> Watch:
+    """Raises as soon as the client has stopped the work, or given up this task."""
+
+    def watch(label: str, done: int, total: int) -> None:
+        task = worker.state.tasks.get(key)
+        if name in _stopping or (task is not None and task.state in ("cancelled", "released", "forgotten")):
+            raise Stopped(f"{name} was stopped")
+
+    return watch
+
+
+def refuse_versions(found: dict[str, dict[str, Any]]) -> None:
+    """Refuses workers with another version of the program.
+
+    Raises:
+        InputError: There are some; the first is named.
+    """
+    for address, about in found.items():
+        if about["version"] != __version__:
+            raise InputError(
+                f"the worker {address} has barbule {about['version']}, and here is {__version__}; install one version everywhere"
+            )
+
