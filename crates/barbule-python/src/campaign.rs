@@ -99,6 +99,17 @@ impl Campaign {
         py.detach(|| self.portions.is_whole(portion)).or_raise(py)
     }
 
+    /// Prepares the instances, which the first portion does else; other threads wait for it.
+    #[pyo3(signature = (threads, progress))]
+    fn prepare(
+        &self,
+        py: Python<'_>,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        How::new(threads, progress).run(py, |progress| self.portions.prepare(progress))
+    }
+
     /// Computes what the store lacks of a portion: how many units were computed, and how many were there.
     #[pyo3(signature = (portion, threads = Some(1), progress = None))]
     fn run(

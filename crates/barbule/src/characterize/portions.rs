@@ -153,6 +153,15 @@ impl Portions {
         run(&campaign, units, &self.store, progress)
     }
 
+    /// Prepares the instances on the threads of the present pool, which may have more than a portion is given later; nothing where they are
+    /// prepared.
+    ///
+    /// # Errors
+    /// The memory that is allowed does not suffice; as [`Plan::campaign`].
+    pub fn prepare(&self, progress: &dyn Progress) -> Result<()> {
+        self.prepared(progress).map(|_| ())
+    }
+
     /// The instances, which are prepared if they are not yet.
     fn prepared(&self, progress: &dyn Progress) -> Result<Arc<Campaign>> {
         loop {

@@ -63,42 +63,49 @@ class CampaignWork:
         kept = list(self.keep_fields_nm)
         return _native.Campaign(structure, folder, self.options, kept, self.simd, self.seconds, cache, None)
 
-    def prepare(self, folder: Path) -> PreparedCampaign:
+    def prepare(self, folder: Path, slots: int) -> PreparedCampaign:
         """Opens structure and store on a worker; instances are prepared with the first portion."""
         structure = opened_alike(self.structure, self.media, self.structure_hash)
         mirror = self.mirror()
         if mirror is None:
-            return PreparedCampaign(self.campaign(structure, Path(self.store)), None, Path(self.store))
+            return PreparedCampaign(self.campaign(structure, Path(self.store)), None, Path(self.store), slots)
         local = folder / "store.zarr"
         for key, text in self.descriptions:
             (local / key).parent.mkdir(parents=True, exist_ok=True)
             (local / key).write_text(text, encoding="utf-8")
-        return PreparedCampaign(self.campaign(structure, local), mirror, local)
+        return PreparedCampaign(self.campaign(structure, local), mirror, local, slots)
 
 
 class PreparedCampaign:
     """A campaign on a worker."""
 
-    def __init__(self, campaign: _native.Campaign, mirror: Mirror | None, folder: Path) -> None:
+    def __init__(self, campaign: _native.Campaign, mirror: Mirror | None, folder: Path, slots: int) -> None:
         self._campaign = campaign
         self._mirror = mirror
         self._folder = folder
+        self._slots = slots
 
     def run(self, item: int, threads: int, watch: Watch) -> None:
         """Computes what the store lacks of a portion."""
         if self._mirror is None:
-            self._campaign.run(item, threads, watch)
+            if not self._campaign.is_done(item):
+                self._computed(item, threads, watch)
             return
         missing = [unit for unit in self._campaign.files(item) if not self._mirror.has(unit[-1])]
         if not missing:
             return
-        self._campaign.run(item, threads, watch)
+        self._computed(item, threads, watch)
         for unit in missing:
             self._mirror.put(self._folder, unit)
         for unit in self._campaign.files(item):
             # The last first: what is left when a worker is killed here is no unit.
             for key in reversed(unit):
                 (self._folder / key).unlink(missing_ok=True)
+
+    def _computed(self, item: int, threads: int, watch: Watch) -> None:
+        # The other slots have nothing to do before.
+        self._campaign.prepare(self._slots, watch)
+        self._campaign.run(item, threads, watch)
 
     def close(self) -> None:
         """The instances go with the object."""

@@ -48,7 +48,7 @@ class FramesWork:
         """A hash of all that decides a frame, but for what lies in files that its scene names."""
         return identity_of(scene=self.scenes[number], media=self.media, how=self.how)
 
-    def prepare(self, folder: Path) -> PreparedFrames:
+    def prepare(self, folder: Path, slots: int) -> PreparedFrames:
         """Nothing is shared between frames but what the cache has."""
         return PreparedFrames(self)
 

@@ -108,7 +108,7 @@ class Sweep(ABC):
         options = json.loads(self.storage_options) if is_url(self.store) else None
         return zarr.open_group(self.store, mode=mode, storage_options=options, zarr_format=3)
 
-    def prepare(self, folder: Path) -> Prepared:
+    def prepare(self, folder: Path, slots: int) -> Prepared:
         """Opens what the items need."""
         return PreparedSweep(self)
 

@@ -40,8 +40,8 @@ class Work(Protocol):
     def identity(self) -> str:
         """A hash of all that decides the results."""
 
-    def prepare(self, folder: Path) -> Prepared:
-        """Opens what the items need; `folder` is the worker's own and goes with it."""
+    def prepare(self, folder: Path, slots: int) -> Prepared:
+        """Opens what the items need; `folder` is the worker's own and goes with it, and `slots` are its threads."""
 
 
 def identity_of(**parts: Any) -> str:

@@ -57,6 +57,7 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
     async def setup(self, worker: Any) -> None:
         """Declares the worker's memory, on which tasks then count."""
         self._lock = threading.Lock()
+        self._slots = worker.state.nthreads
         self._prepared: Prepared | None = None
         self._folder = Path(tempfile.mkdtemp(prefix="barbule-", dir=worker.local_directory))
         if MEMORY not in worker.state.total_resources:
@@ -73,7 +74,7 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
         """The work, opened."""
         with self._lock:
             if self._prepared is None:
-                self._prepared = self._work.prepare(self._folder)
+                self._prepared = self._work.prepare(self._folder, self._slots)
             return self._prepared
 
 
