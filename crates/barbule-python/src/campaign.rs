@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use barbule::brdf::fit::FitOptions;
 use barbule::campaign::Allowance;
-use barbule::characterize::Portions;
+use barbule::characterize::{Found, Origin, Portions, as_filed};
 use barbule::io::available_memory;
 use barbule::io::store::Store;
 use barbule::math::simd::Width;
@@ -11,6 +12,7 @@ use pyo3::prelude::*;
 
 use crate::error::OrRaise as _;
 use crate::make::campaign;
+use crate::material::{Choices, Material};
 use crate::opening::Given;
 use crate::structure::Structure;
 use crate::work::How;
@@ -19,6 +21,12 @@ use crate::work::How;
 #[pyfunction]
 pub(crate) fn simd() -> Vec<&'static str> {
     Width::available().into_iter().map(Width::name).collect()
+}
+
+/// How a material is fitted.
+fn fitted(sigma: Option<f64>, halo: bool) -> FitOptions {
+    let usual = FitOptions::default();
+    FitOptions { halo, sigma: sigma.unwrap_or(usual.sigma), ..usual }
 }
 
 /// A campaign in portions that take a few seconds each, with its store; instances are prepared with the first portion.
@@ -132,6 +140,56 @@ impl Campaign {
     /// The files that the store has without any portion, the group's description last.
     fn own_files(&self) -> Vec<String> {
         self.portions.store().own_files()
+    }
+
+    /// Units of the material's halo.
+    #[getter]
+    fn halo_count(&self) -> usize {
+        self.portions.halo_count()
+    }
+
+    /// Memory that a worker takes for a unit of the halo, bytes.
+    fn halo_bytes(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<u64> {
+        How::new(threads, None).run(py, |_| self.portions.halo_bytes())
+    }
+
+    /// Whether a unit of the halo is beside the store.
+    fn is_halo_done(&self, py: Python<'_>, unit: usize) -> PyResult<bool> {
+        py.detach(|| self.portions.halo_is_done(unit)).or_raise(py)
+    }
+
+    /// Simulates a unit of the halo and keeps it beside the store.
+    #[pyo3(signature = (unit, threads, progress))]
+    fn run_halo(
+        &self,
+        py: Python<'_>,
+        unit: usize,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<()> {
+        How::new(threads, progress).run(py, |progress| self.portions.run_halo(unit, progress))
+    }
+
+    /// Refuses what no material can be fitted with.
+    fn check(&self, py: Python<'_>, sigma: Option<f64>) -> PyResult<()> {
+        self.portions.check(&fitted(sigma, false)).or_raise(py)
+    }
+
+    /// Fits the material of the finished store.
+    #[pyo3(signature = (sigma, halo, threads, progress))]
+    fn material(
+        &self,
+        py: Python<'_>,
+        sigma: Option<f64>,
+        halo: bool,
+        threads: Option<usize>,
+        progress: Option<Py<PyAny>>,
+    ) -> PyResult<Material> {
+        let found = How::new(threads, progress).run(py, |progress| {
+            let (material, hash) = as_filed(&self.portions.material(&fitted(sigma, halo), progress)?)?;
+            Ok(Found { material, hash, origin: Origin::Memory })
+        })?;
+        Material::of(py, found, Choices::default())
     }
 
     /// Removes what writing needed, unless other processes still write.

@@ -131,6 +131,15 @@ def test_a_store_elsewhere_has_the_same_files(client, alone, tmp_path):
         barbule.distributed.characterize(BIRD, **(arguments | {"seed": 2}))
 
 
+def test_a_halo_is_that_of_one_process(client, tmp_path):
+    small = {"wavelengths_nm": [600.0], "directions": (2, 2), "instances": 2, "halo": True, "progress": False}
+    film = "air/keratin:300±5%/melanin:300/air"
+    made = barbule.distributed.characterize(film, client=client, store=tmp_path / "s.zarr", **small)
+    assert made.hash == barbule.characterize(film, **small).hash
+    with pytest.raises(barbule.InputError, match="a halo is kept in a folder"):
+        barbule.distributed.characterize(film, client=client, store=f"file://{tmp_path}/t.zarr", **small)
+
+
 @pytest.fixture
 def bucket(monkeypatch):
     """A bucket of a server here that speaks S3, and how fsspec reaches it."""
@@ -242,6 +251,7 @@ def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):
         ({"simd": "mmx"}, "which not all workers and this process have"),
         ({"threads": 0}, "'threads' is 0"),
         ({"storage_options": {"key": object()}}, "cannot be sent to workers"),
+        ({"sigma": 7.0}, "7"),
     ]:
         with pytest.raises(barbule.InputError, match=sentence):
             run(BIRD, **({"client": client, "store": tmp_path / "s.zarr", **SMALL, "progress": False} | arguments))

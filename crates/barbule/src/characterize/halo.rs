@@ -18,6 +18,7 @@ use crate::io::Units;
 use crate::math::simd::Width;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::far_field::{Illumination, Polarization, Window};
+use crate::solve::cost::Cost;
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::wave_number_per_um;
@@ -116,17 +117,11 @@ impl HaloPlan {
     /// # Errors
     /// As the solvers; a unit cannot be written; or the user cancelled.
     pub fn measure(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Halo> {
-        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
+        let instances = self.segments()?;
         progress.begin("segments", self.count() as u64);
-        let mut knots = Vec::new();
-        for &nm in &self.wavelengths_nm {
-            for cos_theta in COSINES {
-                for cos_phi in COSINES {
-                    let direction = [libm::acos(cos_theta), libm::acos(cos_phi)];
-                    knots.push(self.kept_knot(nm, direction, &instances, units, progress)?);
-                }
-            }
-        }
+        let knots = (0..self.units())
+            .map(|unit| self.kept_knot(self.light(unit), &instances, units, progress))
+            .collect::<Result<Vec<_>>>()?;
         let shares = (0..SIGMAS.len()).flat_map(|part| knots.iter().map(move |knot| knot.share(part)));
         Ok(Halo {
             sigma: SIGMAS.to_vec(),
@@ -139,6 +134,58 @@ impl HaloPlan {
         })
     }
 
+    /// Units of its work, each a wavelength and a direction of the light: far fields of all segments.
+    #[must_use]
+    pub fn units(&self) -> usize {
+        self.wavelengths_nm.len() * COSINES.len() * COSINES.len()
+    }
+
+    /// Whether a unit was kept.
+    #[must_use]
+    pub fn is_done(&self, unit: usize, units: &Units) -> bool {
+        let light = self.light(unit);
+        units.get::<Knot>(&knot_name(light), &self.identity(light)).is_some()
+    }
+
+    /// Simulates a unit and keeps it, unless it is there.
+    ///
+    /// # Errors
+    /// As [`Self::measure`].
+    pub fn run_unit(&self, unit: usize, units: &Units, progress: &dyn Progress) -> Result<()> {
+        if self.is_done(unit, units) {
+            return Ok(());
+        }
+        progress.begin("segments", self.instances as u64);
+        self.kept_knot(self.light(unit), &self.segments()?, Some(units), progress).map(|_| ())
+    }
+
+    /// What a unit takes at most on so many threads: at the shortest wavelength.
+    ///
+    /// # Errors
+    /// A segment cannot be made.
+    pub fn unit_cost(&self, threads: usize) -> Result<Cost> {
+        let segment = self.segment(0)?;
+        let (wavelength_nm, [theta_i, phi_i]) = self.light(0);
+        let light = SegmentLight { wavelength_nm, theta_i, phi_i, window_um: self.window_um(), turn: 0.0 };
+        segment::cost(&segment, &light, &SegmentAccuracy::default(), threads)
+    }
+
+    /// Wavelength, nm, and direction, rad, of a unit: all cosφ_i of a cosθ_i, all of these at a wavelength.
+    fn light(&self, unit: usize) -> (f64, [f64; 2]) {
+        let across = COSINES.len();
+        let cosines = [COSINES[unit / across % across], COSINES[unit % across]];
+        (self.wavelengths_nm[unit / (across * across)], cosines.map(libm::acos))
+    }
+
+    fn segments(&self) -> Result<Vec<Segment>> {
+        (0..self.instances).map(|index| self.segment(index)).collect()
+    }
+
+    /// Standard deviations of the light's window, µm.
+    fn window_um(&self) -> [f64; 2] {
+        [0.25 * self.structure.width_um(), 0.25 * self.length_um]
+    }
+
     /// Given sections serve again with other heights when there are no more.
     fn segment(&self, index: usize) -> Result<Segment> {
         let given = self.structure.count().unwrap_or(usize::MAX).max(1);
@@ -148,27 +195,24 @@ impl HaloPlan {
 
     fn kept_knot(
         &self,
-        nm: f64,
-        direction: [f64; 2],
+        light: (f64, [f64; 2]),
         instances: &[Segment],
         units: Option<&Units>,
         progress: &dyn Progress,
     ) -> Result<Knot> {
-        let [theta, phi] = direction.map(|angle| angle.to_degrees().round());
-        let (name, identity) = (format!("halo-{theta}-{phi}-{nm}nm"), self.identity(nm, direction));
+        let (name, identity) = (knot_name(light), self.identity(light));
         if let Some(knot) = units.and_then(|units| units.get(&name, &identity)) {
             progress.advance(instances.len() as u64);
             return Ok(knot);
         }
-        let knot = self.knot(nm, direction, instances, progress)?;
+        let knot = self.knot(light, instances, progress)?;
         units.map_or(Ok(()), |units| units.keep(&name, &identity, &knot))?;
         Ok(knot)
     }
 
     fn knot(
         &self,
-        wavelength_nm: f64,
-        [theta_i, phi_i]: [f64; 2],
+        (wavelength_nm, [theta_i, phi_i]): (f64, [f64; 2]),
         instances: &[Segment],
         progress: &dyn Progress,
     ) -> Result<Knot> {
@@ -187,7 +231,7 @@ impl HaloPlan {
                 Ok(Polarization::BOTH.map(of).iter().sum::<f64>() / 2.0)
             })
             .collect::<Result<Vec<f64>>>()?;
-        let window_um = [0.25 * self.structure.width_um(), 0.25 * self.length_um];
+        let window_um = self.window_um();
         let mut rows: Vec<f64> = Vec::new();
         let mut grid = None;
         for (index, segment) in instances.iter().enumerate() {
@@ -221,7 +265,7 @@ impl HaloPlan {
     }
 
     /// Of all that decides a knot's bits.
-    fn identity(&self, wavelength_nm: f64, direction: [f64; 2]) -> String {
+    fn identity(&self, (wavelength_nm, direction): (f64, [f64; 2])) -> String {
         let mut hasher = Hasher::new("halo");
         hasher
             .count("version", HALO_VERSION)
@@ -238,6 +282,12 @@ impl HaloPlan {
             .numbers("direction", &direction);
         hasher.hex()
     }
+}
+
+/// What a unit's file is called.
+fn knot_name((nm, direction): (f64, [f64; 2])) -> String {
+    let [theta, phi] = direction.map(|angle| angle.to_degrees().round());
+    format!("halo-{theta}-{phi}-{nm}nm")
 }
 
 /// Adds the light of each row of directions, in parts of what falls on the segment.

@@ -83,16 +83,32 @@ pub fn characterize(
             (store.statistics()?, outcome.repaired)
         }
     };
+    let units = how.store.map(halo_units);
+    let (material, report) = finished(plan, &statistics, options, units.as_ref(), progress)?;
+    Ok(Characterized { material, report, repaired })
+}
+
+/// Where the halo of a campaign is kept: beside its store, which is of 2.5D alone.
+fn halo_units(store: &Path) -> Units {
+    Units::new(&store.with_extension("halo"))
+}
+
+/// Fits the material of a plan's statistics; with its halo, which `units` may have, if `options` ask for it.
+fn finished(
+    plan: &Plan,
+    statistics: &Statistics,
+    options: &FitOptions,
+    units: Option<&Units>,
+    progress: &dyn Progress,
+) -> Result<(FeatherMaterial, FitReport)> {
     let name = plan.structure.name();
-    let (mut material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
+    let (mut material, report) = material_of(statistics, &name, &plan.description, options, progress)?;
     if options.halo {
-        // Beside the store, which is of 2.5D alone.
-        let units = how.store.map(|path| Units::new(&path.with_extension("halo")));
         let halo = HaloPlan::new(plan);
-        material.halo = Some(halo.measure(units.as_ref(), progress)?);
+        material.halo = Some(halo.measure(units, progress)?);
         material.info["halo"] = halo.info();
     }
-    Ok(Characterized { material, report, repaired })
+    Ok((material, report))
 }
 
 /// Refuses, before any work, a plan of which no material can be made.

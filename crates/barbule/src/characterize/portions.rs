@@ -9,12 +9,16 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, TryLockError};
 use std::time::Duration;
 
-use super::{Catalog, Plan};
+use super::{Catalog, HaloPlan, Plan, check, finished, halo_units};
+use crate::brdf::FeatherMaterial;
+use crate::brdf::fit::FitOptions;
 use crate::campaign::{Allowance, Campaign, Demand, Keep, Outcome, Resources, Results, run};
+use crate::io::Units;
 use crate::io::store::Store;
 use crate::math::simd::Width;
 use crate::progress::Progress;
 use crate::scattering::statistics::Unit;
+use crate::solve::cost::PROGRAM;
 use crate::{Error, Result};
 
 /// Seconds that a portion may be asked to take: under these the overhead of a cluster shows, over these too much is lost
@@ -38,6 +42,9 @@ pub struct Portions {
     /// Foretold seconds of a unit on one thread.
     unit_seconds: f64,
     prepared: Mutex<Option<Arc<Campaign>>>,
+    halo: HaloPlan,
+    /// Where the units of the halo are kept.
+    halo_units: Units,
 }
 
 impl Portions {
@@ -70,8 +77,21 @@ impl Portions {
         let units: Vec<Unit> = store.axes().units().collect();
         let thetas = store.axes().cos_theta().len();
         let portions = divided(units.len() / thetas, thetas, unit_seconds, seconds);
-        let prepared = Mutex::default();
-        Ok(Self { plan, store, catalog, width, keep, allowed, units, portions, unit_seconds, prepared })
+        let (prepared, halo, halo_units) = (Mutex::default(), HaloPlan::new(&plan), halo_units(path));
+        Ok(Self {
+            plan,
+            store,
+            catalog,
+            width,
+            keep,
+            allowed,
+            units,
+            portions,
+            unit_seconds,
+            prepared,
+            halo,
+            halo_units,
+        })
     }
 
     /// How many there are.
@@ -137,6 +157,64 @@ impl Portions {
     /// There is no such portion.
     pub fn files(&self, portion: usize) -> Result<Vec<Vec<String>>> {
         Ok(self.units(portion)?.iter().map(|unit| self.store.unit_files(*unit)).collect())
+    }
+
+    /// Units of the halo of the campaign's material.
+    #[must_use]
+    pub fn halo_count(&self) -> usize {
+        self.halo.units()
+    }
+
+    /// Whether a unit of the halo is beside the store.
+    ///
+    /// # Errors
+    /// There is no such unit.
+    pub fn halo_is_done(&self, unit: usize) -> Result<bool> {
+        self.check_halo(unit)?;
+        Ok(self.halo.is_done(unit, &self.halo_units))
+    }
+
+    /// Memory that a worker takes for a unit of the halo on the threads of the present pool, bytes.
+    ///
+    /// # Errors
+    /// As [`HaloPlan::unit_cost`].
+    pub fn halo_bytes(&self) -> Result<u64> {
+        self.halo.unit_cost(rayon::current_num_threads()).map(|cost| PROGRAM + cost.bytes)
+    }
+
+    /// Simulates a unit of the halo and keeps it beside the store, unless it is there. It is computed with the widest instructions of the
+    /// processor, and one of others is not there.
+    ///
+    /// # Errors
+    /// There is no such unit; as [`HaloPlan::run_unit`].
+    pub fn run_halo(&self, unit: usize, progress: &dyn Progress) -> Result<()> {
+        self.check_halo(unit)?;
+        self.halo.run_unit(unit, &self.halo_units, progress)
+    }
+
+    fn check_halo(&self, unit: usize) -> Result<()> {
+        let count = self.halo.units();
+        let refusal = || Error::input(format!("there is no unit {unit} of {count} of the halo (they count from 0)"));
+        (unit < count).then_some(()).ok_or_else(refusal)
+    }
+
+    /// Refuses, before any work, what no material can be fitted with.
+    ///
+    /// # Errors
+    /// As [`check`].
+    pub fn check(&self, options: &FitOptions) -> Result<()> {
+        check(&self.plan, options)
+    }
+
+    /// Fits the material of the finished store, as [`characterize`](super::characterize()) does; what is not there of its halo is simulated.
+    ///
+    /// # Errors
+    /// Units are missing or damaged; as [`check`].
+    pub fn material(&self, options: &FitOptions, progress: &dyn Progress) -> Result<FeatherMaterial> {
+        self.check(options)?;
+        let statistics = self.store.statistics()?;
+        finished(&self.plan, &statistics, options, Some(&self.halo_units), progress)
+            .map(|(material, _)| material)
     }
 
     /// Computes what the store lacks of a portion, as every run of the campaign does. Several threads may compute different
@@ -217,7 +295,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     use super::*;
-    use crate::characterize::CampaignOptions;
+    use crate::characterize::{CampaignOptions, Execution, characterize};
     use crate::progress::Unobserved;
     use crate::structure::Structure;
 
@@ -304,6 +382,34 @@ mod tests {
         assert_eq!(written.last().map(String::as_str), Some("zarr.json"));
         written.sort();
         assert_eq!(written, named);
+    }
+
+    #[test]
+    fn halos_of_workers_are_those_of_one_run() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.zarr");
+        let options = CampaignOptions {
+            wavelengths_nm: vec![600.0],
+            directions: [2, 2],
+            instances: Some(2),
+            ..CampaignOptions::default()
+        };
+        let plan = options.plan(Structure::flat("air/keratin:300±5%/melanin:300/air").unwrap()).unwrap();
+        let fit = FitOptions { halo: true, ..FitOptions::default() };
+        let (width, catalog) = (Width::best(), Catalog::default());
+        let here = Portions::new(plan.clone(), &path, &[], width, 1.0, catalog.clone(), Allowance::UNKNOWN);
+        let here = here.unwrap();
+        (0..here.count()).for_each(|portion| _ = here.run(portion, &Unobserved).unwrap());
+        for unit in (0..here.halo_count()).rev() {
+            assert!(!here.halo_is_done(unit).unwrap());
+            here.run_halo(unit, &Unobserved).unwrap();
+            assert!(here.halo_is_done(unit).unwrap());
+        }
+        assert!(here.run_halo(here.halo_count(), &Unobserved).unwrap_err().is_input());
+        assert!(here.halo_bytes().unwrap() > PROGRAM);
+        let alone = characterize(&plan, &fit, &catalog, &Execution::default(), &Unobserved).unwrap();
+        assert_eq!(here.material(&fit, &Unobserved).unwrap(), alone.material);
+        assert!(here.check(&FitOptions { sigma: 7.0, ..fit }).is_err());
     }
 
     #[test]

@@ -17,7 +17,7 @@ from .._material import Material
 from .._native import Structure
 from .._opening import Name, structure_of
 from .._progress import ProgressLike, watched
-from ..errors import MachineError
+from ..errors import InputError, MachineError
 from ._engine import UNIT_SECONDS, Cluster, asked, compute
 from ._mirror import Mirror, is_url, options_text
 from ._work import Watch, identity_of, opened_alike, placed, placed_media
@@ -74,6 +74,40 @@ class CampaignWork:
             (local / key).parent.mkdir(parents=True, exist_ok=True)
             (local / key).write_text(text, encoding="utf-8")
         return PreparedCampaign(self.campaign(structure, local), mirror, local, slots)
+
+
+@dataclass(frozen=True)
+class HaloWork:
+    """The halo of a campaign's material; items are its units, which are kept beside the store."""
+
+    campaign: CampaignWork
+
+    label = "halo"
+
+    @property
+    def identity(self) -> str:
+        """A hash of what is computed and where it goes."""
+        return identity_of(halo=self.campaign.identity)
+
+    def prepare(self, folder: Path, slots: int) -> PreparedHalo:
+        """Opens structure and store on a worker."""
+        work = self.campaign
+        structure = opened_alike(work.structure, work.media, work.structure_hash)
+        return PreparedHalo(work.campaign(structure, Path(work.store)))
+
+
+class PreparedHalo:
+    """A halo on a worker."""
+
+    def __init__(self, campaign: _native.Campaign) -> None:
+        self._campaign = campaign
+
+    def run(self, item: int, threads: int, watch: Watch) -> None:
+        """Simulates a unit and keeps it, unless it is there."""
+        self._campaign.run_halo(item, threads, watch)
+
+    def close(self) -> None:
+        """Nothing stays open."""
 
 
 class PreparedCampaign:
@@ -168,8 +202,9 @@ def simulate(
     work, opened, cluster = _described(
         structure, store, options, keep_fields_nm, storage_options, cache, media, simd, unit_seconds, client
     )
+    how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}
     with tempfile.TemporaryDirectory(prefix="barbule-") as folder:
-        _filled(work, opened, cluster, Path(folder), threads, retries, progress)
+        _fill(_Opened(work, opened, Path(folder)), cluster, how)
 
 
 def characterize(
@@ -185,6 +220,7 @@ def characterize(
     thin: int | None = None,
     seed: int = 1,
     mirror: bool = False,
+    halo: bool = False,
     sigma: float | None = None,
     storage_options: Mapping[str, Any] | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
@@ -195,7 +231,7 @@ def characterize(
     retries: int = 3,
     progress: ProgressLike = True,
 ) -> Material:
-    """Simulates a structure on a cluster and fits its material here: `barbule.characterize` without halo, to the same bits.
+    """Simulates a structure on a cluster and fits its material here: `barbule.characterize`, to the same bits.
 
     Args:
         structure: As for `simulate`, and so all that is not named below.
@@ -209,6 +245,7 @@ def characterize(
         thin: As for `barbule.characterize`.
         seed: As for `barbule.characterize`.
         mirror: As for `barbule.characterize`.
+        halo: As for `barbule.characterize`; workers must have the same SIMD instructions then.
         sigma: The spread along the barbule; 0.04 without.
         storage_options: As for `simulate`, and so the next ones.
         cache: As for `simulate`.
@@ -225,10 +262,19 @@ def characterize(
     """
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     work, opened, cluster = _described(structure, store, options, (), storage_options, cache, media, simd, unit_seconds, client)
+    if halo and not cluster.are_alike:
+        raise InputError("a halo needs workers that have the same widest SIMD instructions as this process; choose alike machines")
+    if halo and is_url(work.store):
+        raise InputError("a halo is kept in a folder beside the store; give a store in a folder that all workers see")
+    how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}
     with tempfile.TemporaryDirectory(prefix="barbule-") as folder:
-        filled = _filled(work, opened, cluster, Path(folder), threads, retries, progress)
+        store = _Opened(work, opened, Path(folder))
+        store.campaign.check(sigma)
+        _fill(store, cluster, how)
+        if halo:
+            _fill_halo(store, cluster, how)
         with watched(progress) as watch:
-            return Material(_native.fit(filled, sigma, None, watch))
+            return Material(store.campaign.material(sigma, halo, None, watch))
 
 
 def _described(
@@ -271,53 +317,71 @@ def _described(
     return work, opened, cluster
 
 
-def _filled(
-    work: CampaignWork, opened: Structure, cluster: Cluster, scratch: Path, threads: int, retries: int, progress: ProgressLike
-) -> Path:
-    """Fills the store and looks whether all of it is there; the folder where it is, or a copy of it."""
-    mirror = work.mirror()
-    local = Path(work.store) if mirror is None else scratch / "store.zarr"
-    if mirror is not None:
-        mirror.fetch_descriptions(local)
-    campaign = work.campaign(opened, local)
-    if mirror is not None:
-        own = campaign.own_files()
-        if not mirror.has("zarr.json"):
-            mirror.put(local, own)
-        texts = [(key, (local / key).read_text(encoding="utf-8")) for key in own if key.endswith(".json")]
-        work = replace(work, descriptions=tuple(texts))
-    missing = _missing(campaign, mirror, local)
+class _Opened:
+    """A campaign where the client is, with its store or a copy of what describes it.
+
+    Attributes:
+        campaign: The campaign.
+        work: What is sent to workers.
+    """
+
+    def __init__(self, work: CampaignWork, structure: Structure, scratch: Path) -> None:
+        self._mirror = work.mirror()
+        self._folder = Path(work.store) if self._mirror is None else scratch / "store.zarr"
+        is_there = self._mirror is not None and self._mirror.fetch_descriptions(self._folder)
+        self.campaign = work.campaign(structure, self._folder)
+        self.work = work
+        if self._mirror is None:
+            return
+        own = self.campaign.own_files()
+        if not is_there:
+            self._mirror.put(self._folder, own)
+        texts = [(key, (self._folder / key).read_text(encoding="utf-8")) for key in own if key.endswith(".json")]
+        self.work = replace(work, descriptions=tuple(texts))
+
+    def missing(self) -> list[int]:
+        """The portions that are not whole; of an object store what is there is copied here, and what is damaged deleted there."""
+        portions = [self.campaign.files(item) for item in range(len(self.campaign))]
+        if self._mirror is not None:
+            lacking = [unit for units in portions for unit in units if not (self._folder / unit[-1]).exists()]
+            self._mirror.fetch(self._folder, [key for unit in lacking for key in unit])
+        missing = [item for item in range(len(portions)) if not self.campaign.is_done(item)]
+        if self._mirror is not None:
+            for item in missing:
+                ends = [unit[-1] for unit in portions[item]]
+                # Where some are not there yet, the others may well be whole.
+                if all((self._folder / end).exists() for end in ends):
+                    self._mirror.drop(ends)
+                    for end in ends:
+                        (self._folder / end).unlink(missing_ok=True)
+        return missing
+
+
+def _fill(store: _Opened, cluster: Cluster, how: Mapping[str, Any]) -> None:
+    """Fills the store, and looks whether all of it is there."""
+    campaign = store.campaign
+    missing = store.missing()
     memory_bytes = 0
     for _ in range(1 + MOST_REPAIRS):
         if not missing:
             break
         if not memory_bytes:
-            with watched(progress) as watch:
-                memory_bytes = campaign.memory_bytes(threads, watch)
-        tasks = [range(item, item + 1) for item in missing]
-        compute(work, tasks, cluster, memory_bytes=memory_bytes, threads=threads, retries=retries, progress=progress)
-        missing = _missing(campaign, mirror, local)
+            with watched(how["progress"]) as watch:
+                memory_bytes = campaign.memory_bytes(how["threads"], watch)
+        compute(store.work, [range(item, item + 1) for item in missing], cluster, memory_bytes=memory_bytes, **how)
+        missing = store.missing()
     if missing:
         raise MachineError(
-            f"{work.store}: {len(missing)} of {len(campaign)} portions are missing or damaged although their tasks ended well; "
+            f"{store.work.store}: {len(missing)} of {len(campaign)} portions are missing or damaged although their tasks ended well; "
             "look whether all workers see the same store"
         )
     campaign.end()
-    return local
 
 
-def _missing(campaign: _native.Campaign, mirror: Mirror | None, local: Path) -> list[int]:
-    """The portions that are not whole; of an object store what is there is copied here, and what is damaged deleted there."""
-    if mirror is not None:
-        units = [unit for item in range(len(campaign)) for unit in campaign.files(item)]
-        mirror.fetch(local, [key for unit in units for key in unit if not (local / unit[-1]).exists()])
-    missing = [item for item in range(len(campaign)) if not campaign.is_done(item)]
-    if mirror is not None:
-        for item in missing:
-            ends = [unit[-1] for unit in campaign.files(item)]
-            # Where some are not there yet, the others may well be whole.
-            if all((local / end).exists() for end in ends):
-                mirror.drop(ends)
-                for end in ends:
-                    (local / end).unlink(missing_ok=True)
-    return missing
+def _fill_halo(store: _Opened, cluster: Cluster, how: Mapping[str, Any]) -> None:
+    """Simulates what is missing of the halo."""
+    campaign = store.campaign
+    missing = [unit for unit in range(campaign.halo_count) if not campaign.is_halo_done(unit)]
+    if missing:
+        tasks = [range(unit, unit + 1) for unit in missing]
+        compute(HaloWork(store.work), tasks, cluster, memory_bytes=campaign.halo_bytes(how["threads"]), **how)

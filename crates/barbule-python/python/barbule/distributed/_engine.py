@@ -26,12 +26,14 @@ class Cluster:
         simd: The widest SIMD instructions that every worker has, and this process.
         memory_bytes: What the smallest worker may take.
         slots: Tasks that run at once.
+        are_alike: Whether the widest SIMD instructions of all workers and of this process are the same.
     """
 
     client: Any
     simd: str
     memory_bytes: float
     slots: int
+    are_alike: bool
 
 
 def asked(client: Any, simd: str | None = None) -> Cluster:
@@ -59,6 +61,7 @@ def asked(client: Any, simd: str | None = None) -> Cluster:
         simd=simd or common[0],
         memory_bytes=min(about["memory_bytes"] for about in found.values()),
         slots=sum(about["threads"] for about in found.values()),
+        are_alike=all(about["simd"][0] == here[0] for about in found.values()),
     )
 
 
