@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use barbule::Result;
 use barbule::brdf::fit::FitOptions;
 use barbule::campaign::Allowance;
 use barbule::characterize::{Found, Origin, Portions, as_filed};
@@ -87,8 +88,10 @@ impl Campaign {
     /// Of each portion: how many units of the campaign it has, and the seconds that it takes on one thread, foretold.
     #[getter]
     fn portions(&self, py: Python<'_>) -> PyResult<Vec<(usize, f64)>> {
-        let one = |portion| Ok((self.portions.units(portion)?.len(), self.portions.seconds(portion)?));
-        (0..self.portions.count()).map(one).collect::<barbule::Result<_>>().or_raise(py)
+        let one = |portion| -> Result<(usize, f64)> {
+            Ok((self.portions.units(portion)?.len(), self.portions.seconds(portion)?))
+        };
+        (0..self.portions.count()).map(one).collect::<Result<_>>().or_raise(py)
     }
 
     /// Memory that a worker takes which computes one portion at a time, bytes, foretold; takes seconds.
@@ -109,12 +112,7 @@ impl Campaign {
 
     /// Prepares the instances, which the first portion does else; other threads wait for it.
     #[pyo3(signature = (threads, progress))]
-    fn prepare(
-        &self,
-        py: Python<'_>,
-        threads: Option<usize>,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<()> {
+    fn prepare(&self, py: Python<'_>, threads: Option<usize>, progress: Option<Py<PyAny>>) -> PyResult<()> {
         How::new(threads, progress).run(py, |progress| self.portions.prepare(progress))
     }
 
@@ -127,8 +125,7 @@ impl Campaign {
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<(usize, usize)> {
-        let outcome =
-            How::new(threads, progress).run(py, |progress| self.portions.run(portion, progress))?;
+        let outcome = How::new(threads, progress).run(py, |progress| self.portions.run(portion, progress))?;
         Ok((outcome.computed, outcome.found))
     }
 

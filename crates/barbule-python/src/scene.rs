@@ -83,7 +83,9 @@ impl Scene {
     /// The scenes of a sequence in which `light`, `camera` or `feather` swing over arcs in degrees; the light as usual without any.
     fn frames(&self, py: Python<'_>, count: u32, arcs: Vec<(String, f64)>) -> PyResult<Vec<Self>> {
         check_count("count", count as usize, 9999).or_raise(py)?;
-        let arc = |(name, degrees): &(String, f64)| Ok((Moved::named("'arcs'", name)?, Motion::Arc(*degrees)));
+        let arc = |(name, degrees): &(String, f64)| -> Result<(Moved, Motion)> {
+            Ok((Moved::named("'arcs'", name)?, Motion::Arc(*degrees)))
+        };
         let mut moves = arcs.iter().map(arc).collect::<Result<Vec<_>>>().or_raise(py)?;
         if moves.is_empty() {
             moves.push((Moved::Light, Motion::Arc(USUAL_ARC_DEG)));

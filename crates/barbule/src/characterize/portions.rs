@@ -126,14 +126,8 @@ impl Portions {
     /// As [`Demand::predict`].
     pub fn bytes(&self, progress: &dyn Progress) -> Result<u64> {
         let Plan { structure, parameters, .. } = &self.plan;
-        let demand = Demand::predict(
-            structure,
-            parameters,
-            self.keep,
-            Results::Stored,
-            Allowance::UNKNOWN,
-            progress,
-        )?;
+        let demand =
+            Demand::predict(structure, parameters, self.keep, Results::Stored, Allowance::UNKNOWN, progress)?;
         Ok(demand.bytes(1))
     }
 
@@ -194,7 +188,8 @@ impl Portions {
 
     fn check_halo(&self, unit: usize) -> Result<()> {
         let count = self.halo.units();
-        let refusal = || Error::input(format!("there is no unit {unit} of {count} of the halo (they count from 0)"));
+        let refusal =
+            || Error::input(format!("there is no unit {unit} of {count} of the halo (they count from 0)"));
         (unit < count).then_some(()).ok_or_else(refusal)
     }
 

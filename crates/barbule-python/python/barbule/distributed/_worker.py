@@ -26,14 +26,13 @@ class Stopped(Exception):
     """The client does not want the work any more."""
 
 
-def about_here() -> dict[str, Any]:
-    """What the client has to know of a worker."""
-    worker = get_worker()
+def about_here(dask_worker: Any) -> dict[str, Any]:
+    """What the client has to know of a worker, which Dask gives under this name."""
     return {
         "version": __version__,
         "simd": _native.simd(),
-        "memory_bytes": _memory_bytes(worker),
-        "threads": worker.state.nthreads,
+        "memory_bytes": _memory_bytes(dask_worker),
+        "threads": dask_worker.state.nthreads,
     }
 
 
