@@ -23,8 +23,8 @@ def cluster() -> PBSCluster:
         memory="32GB",
         resource_spec="select=1:ncpus=16:mem=32gb",
         walltime="02:00:00",
-        # A job that its time ends stops taking tasks before it is killed.
-        worker_extra_args=["--lifetime", "110m", "--lifetime-stagger", "5m"],
+        # A job whose time ends stops taking tasks before it is killed. The resource is the memory that tasks may take, bytes.
+        worker_extra_args=["--lifetime", "110m", "--lifetime-stagger", "5m", "--resources", "barbule-memory=30e9"],
         local_directory=os.environ.get("TMPDIR", "/tmp"),
     )
 

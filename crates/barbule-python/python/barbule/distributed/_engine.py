@@ -27,6 +27,7 @@ class Cluster:
         memory_bytes: What the smallest worker may take.
         slots: Tasks that run at once.
         are_alike: Whether the widest SIMD instructions of all workers and of this process are the same.
+        declare_memory: Whether all workers were started with the resource by which tasks say what memory they take.
     """
 
     client: Any
@@ -34,6 +35,7 @@ class Cluster:
     memory_bytes: float
     slots: int
     are_alike: bool
+    declare_memory: bool
 
 
 def asked(client: Any, simd: str | None = None) -> Cluster:
@@ -62,6 +64,7 @@ def asked(client: Any, simd: str | None = None) -> Cluster:
         memory_bytes=min(about["memory_bytes"] for about in found.values()),
         slots=sum(about["threads"] for about in found.values()),
         are_alike=all(about["simd"][0] == here[0] for about in found.values()),
+        declare_memory=all(about["declares_memory"] for about in found.values()),
     )
 
 
@@ -127,6 +130,7 @@ class _Sent:
         self._name = name
         self._tasks = tasks
         self._memory_bytes = memory_bytes
+        self._declare = cluster.declare_memory
         self._threads = threads
         self._retries = retries
         self._attempts = [0] * len(tasks)
@@ -169,8 +173,10 @@ class _Sent:
             task.start,
             task.stop,
             self._threads,
+            self._memory_bytes,
             key=f"{self._name}-{number}-{self._attempts[number]}",
-            resources={MEMORY: self._memory_bytes},
+            # Workers share out their memory anyway; so declared, the scheduler sends them no more than they can hold.
+            resources={MEMORY: self._memory_bytes} if self._declare else None,
             # The first are sent first: neighbours share tables.
             priority=-number,
             pure=False,

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import tempfile
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +17,11 @@ from .. import __version__, _native
 from ..errors import InputError, MachineError
 from ._work import Prepared, Watch, Work
 
-#: The resource by which tasks say what memory they take, bytes.
+#: The resource of Dask by which tasks say what memory they take, bytes, where all workers are started with it.
 MEMORY = "barbule-memory"
+
+#: How often a task that waits for memory looks whether it is still wanted, s.
+LOOK_S = 0.1
 
 #: The names of work that is to stop, in this process.
 _stopping: set[str] = set()
@@ -33,6 +38,7 @@ def about_here(dask_worker: Any) -> dict[str, Any]:
         "simd": _native.simd(),
         "memory_bytes": _memory_bytes(dask_worker),
         "threads": dask_worker.state.nthreads,
+        "declares_memory": MEMORY in dask_worker.state.total_resources,
     }
 
 
@@ -46,6 +52,32 @@ def _memory_bytes(worker: Any) -> float:
     return float(limit or MEMORY_LIMIT)
 
 
+class Budget:
+    """Memory that is shared out to the tasks of this process."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._taken = 0.0
+
+    @contextmanager
+    def share(self, bytes_: float, limit: float, watch: Watch) -> Iterator[None]:
+        """Waits until so much is free of what the worker may take. A task that finds all of it free never waits."""
+        with self._changed:
+            while self._taken > 0.0 and self._taken + bytes_ > limit:
+                self._changed.wait(LOOK_S)
+                watch("waiting", 0, 1)
+            self._taken += bytes_
+        try:
+            yield
+        finally:
+            with self._changed:
+                self._taken -= bytes_
+                self._changed.notify_all()
+
+
+_budget = Budget()
+
+
 class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
     """Work on a worker: prepared with its first item, whichever thread has it, and once."""
 
@@ -53,14 +85,12 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
         self.name = name
         self._work = work
 
-    async def setup(self, worker: Any) -> None:
-        """Declares the worker's memory, on which tasks then count."""
+    def setup(self, worker: Any) -> None:
+        """Nothing that takes long: the worker's other threads wait meanwhile."""
         self._lock = threading.Lock()
         self._slots = worker.state.nthreads
         self._prepared: Prepared | None = None
         self._folder = Path(tempfile.mkdtemp(prefix="barbule-", dir=worker.local_directory))
-        if MEMORY not in worker.state.total_resources:
-            await worker.set_resources(**{MEMORY: _memory_bytes(worker)})
 
     def teardown(self, worker: Any) -> None:
         """Stops what still runs, and forgets."""
@@ -77,17 +107,18 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
             return self._prepared
 
 
-def run_items(name: str, number: int, first: int, end: int, threads: int) -> int:
+def run_items(name: str, number: int, first: int, end: int, threads: int, memory_bytes: float) -> int:
     """A task: computes items, and gives nothing back but its own number."""
     worker = get_worker()
     plugin = worker.plugins.get(name)
     if not isinstance(plugin, Preparation):
         raise MachineError("the worker does not know this work any more; call the same function again to go on")
     watch = _watch(name, worker, worker.get_current_task())
-    prepared = plugin.prepared()
-    for item in range(first, end):
-        watch("", item, end)
-        prepared.run(item, threads, watch)
+    with _budget.share(memory_bytes, _memory_bytes(worker), watch):
+        prepared = plugin.prepared()
+        for item in range(first, end):
+            watch("", item, end)
+            prepared.run(item, threads, watch)
     return number
 
 
