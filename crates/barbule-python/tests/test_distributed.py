@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 import warnings
 from pathlib import Path
@@ -50,7 +51,7 @@ def files(folder):
 
 
 class Killer:
-    """Progress that kills a worker whenever a task has ended, so often."""
+    """Progress that kills all workers whenever a task has ended, so often: what they had at work is lost with them."""
 
     def __init__(self, client, times):
         self.client, self.times = client, times
@@ -58,8 +59,8 @@ class Killer:
     def __call__(self, label, done, total):
         if label == "simulating" and self.times and done < total:
             self.times -= 1
-            pid = next(iter(self.client.run(os.getpid).values()))
-            os.kill(pid, signal.SIGKILL)
+            for pid in self.client.run(os.getpid, on_error="ignore").values():
+                os.kill(pid, signal.SIGKILL)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -258,6 +259,36 @@ def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):
     poor = dataclasses.replace(_engine.asked(client), memory_bytes=1e6)
     with pytest.raises(barbule.InputError, match="a worker has 1 MB"):
         _engine.compute(None, [range(1)], poor, memory_bytes=2e6)
+
+
+def test_workers_begin_no_more_than_fits_their_memory():
+    from barbule.distributed._worker import Budget, Stopped
+
+    budget, most, at_once, lock = Budget(), [0], [0], threading.Lock()
+
+    def task(bytes_):
+        with budget.share(bytes_, 10.0, lambda *_: None):
+            with lock:
+                at_once[0] += bytes_
+                most[0] = max(most[0], at_once[0])
+            time.sleep(0.01)
+            with lock:
+                at_once[0] -= bytes_
+
+    tasks = [threading.Thread(target=task, args=(4,)) for _ in range(8)]
+    for each in tasks:
+        each.start()
+    for each in tasks:
+        each.join()
+    assert most[0] == 8
+
+    def stopped(*_):
+        raise Stopped
+
+    with budget.share(8.0, 10.0, stopped), pytest.raises(Stopped), budget.share(8.0, 10.0, stopped):
+        pass
+    # More than there is, alone.
+    task(20)
 
 
 def test_a_worker_that_opens_another_structure_says_so(tmp_path):

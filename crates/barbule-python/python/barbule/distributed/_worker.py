@@ -48,8 +48,9 @@ def stop(name: str) -> None:
 
 
 def _memory_bytes(worker: Any) -> float:
-    limit = worker.memory_manager.memory_limit
-    return float(limit or MEMORY_LIMIT)
+    """What a worker may take, by its limit and by what it was started with."""
+    limit = float(worker.memory_manager.memory_limit or MEMORY_LIMIT)
+    return min(limit, float(worker.state.total_resources.get(MEMORY, limit)))
 
 
 class Budget:
