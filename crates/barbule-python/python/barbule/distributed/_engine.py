@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -136,9 +136,12 @@ class _Sent:
         self._attempts = [0] * len(tasks)
         self._pending: dict[Any, int] = {}
 
-    def finished(self) -> Any:
+    def finished(self) -> Iterator[int]:
         """Sends all tasks; yields how many items are done, whenever a task is."""
-        completed = dask_distributed().as_completed([self._send(number) for number in range(len(self._tasks))], loop=self._client.loop)
+        sent = [self._send(number) for number in range(len(self._tasks))]
+        completed = dask_distributed().as_completed(sent, loop=self._client.loop)
+        # Nothing else holds what has ended.
+        del sent
         done = 0
         for future in completed:
             number = self._pending.pop(future)

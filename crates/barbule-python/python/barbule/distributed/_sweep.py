@@ -225,6 +225,11 @@ def _made(sweep: Sweep) -> Any:
                 zarr.consolidate_metadata(group.store, path=group.path)
             group = sweep.group("r+")
         return group
+    except InputError:
+        raise
+    except ValueError as error:
+        # Zarr's own, of what is there and is no group.
+        raise InputError(f"{sweep.store}: is no store of a sweep ({error}); give another name") from error
     except OSError as error:
         raise MachineError(f"the store {sweep.store} cannot be written ({error})") from error
 
