@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import uuid
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,12 +113,15 @@ def compute(
                 if watch is not None:
                     watch(work.label, done, sum(len(task) for task in tasks))
     except BaseException:
-        sent.cancel()
-        # Futures are dropped at once, native calls as they next look.
-        client.run(stop, name, on_error="ignore")
+        # A cluster that is gone needs no word of it.
+        with suppress(Exception):
+            sent.cancel()
+            # Futures are dropped at once, native calls as they next look.
+            client.run(stop, name, on_error="ignore")
         raise
     finally:
-        client.unregister_worker_plugin(name)
+        with suppress(Exception):
+            client.unregister_worker_plugin(name)
 
 
 class _Sent:
