@@ -15,14 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import __version__
 from .._labels import Axis
 from .._progress import ProgressLike
 from ..errors import InputError, MachineError
 from ._dask import needed
 from ._engine import Cluster, compute
 from ._mirror import is_url
-from ._work import Prepared, Watch, identity_of
+from ._work import VERSION, Prepared, Watch, identity_of
 
 #: The array that says which items are there.
 DONE = "done"
@@ -200,7 +199,7 @@ def _made(sweep: Sweep) -> Any:
     """
     zarr = needed("zarr", "a sweep")
     layout = sweep.layout
-    described = {"layout": LAYOUT, "version": __version__, **sweep.description}
+    described = {"layout": LAYOUT, "version": VERSION, **sweep.description}
     described = json.loads(json.dumps(described))
     try:
         group = sweep.group("a")

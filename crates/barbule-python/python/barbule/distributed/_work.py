@@ -9,11 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from .. import __version__
+from .. import _native
 from .._labels import media_of
 from .._native import Structure
 from .._opening import Name, structure_of
 from ..errors import InputError
+
+#: The program's version.
+VERSION = _native.version()
 
 #: What native calls tell of their progress, from the thread that called them; an exception stops them.
 Watch = Callable[[str, int, int], Any]
@@ -46,7 +49,7 @@ class Work(Protocol):
 
 def identity_of(**parts: Any) -> str:
     """The head of a hash of a description and of the program's version."""
-    text = json.dumps({"version": __version__, **parts}, sort_keys=True, default=str)
+    text = json.dumps({"version": VERSION, **parts}, sort_keys=True, default=str)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

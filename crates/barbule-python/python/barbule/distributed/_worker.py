@@ -13,9 +13,9 @@ from typing import Any
 from distributed import WorkerPlugin, get_worker  # type: ignore[import-not-found, import-untyped, unused-ignore]
 from distributed.system import MEMORY_LIMIT  # type: ignore[import-not-found, import-untyped, unused-ignore]
 
-from .. import __version__, _native
+from .. import _native
 from ..errors import InputError, MachineError
-from ._work import Prepared, Watch, Work
+from ._work import VERSION, Prepared, Watch, Work
 
 #: The resource of Dask by which tasks say what memory they take, bytes, where all workers are started with it.
 MEMORY = "barbule-memory"
@@ -34,7 +34,7 @@ class Stopped(Exception):
 def about_here(dask_worker: Any) -> dict[str, Any]:
     """What the client has to know of a worker, which Dask gives under this name."""
     return {
-        "version": __version__,
+        "version": VERSION,
         "simd": _native.simd(),
         "memory_bytes": _memory_bytes(dask_worker),
         "threads": dask_worker.state.nthreads,
@@ -141,8 +141,8 @@ def refuse_versions(found: dict[str, dict[str, Any]]) -> None:
         InputError: There are some; the first is named.
     """
     for address, about in found.items():
-        if about["version"] != __version__:
+        if about["version"] != VERSION:
             raise InputError(
-                f"the worker {address} has barbule {about['version']}, and here is {__version__}; install one version everywhere"
+                f"the worker {address} has barbule {about['version']}, and here is {VERSION}; install one version everywhere"
             )
 
