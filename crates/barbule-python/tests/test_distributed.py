@@ -155,7 +155,7 @@ def bucket(monkeypatch):
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    options = {"key": "nobody", "secret": "nothing", "client_kwargs": {"endpoint_url": url, "region_name": "us-east-1"}}
+    options = {"key": "nobody", "secret": "nothing", "client_kwargs": {"endpoint_url": url, "region_name": "eu-central-1"}}
     try:
         for _ in range(300):
             try:
