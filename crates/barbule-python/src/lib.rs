@@ -5,6 +5,7 @@
 
 mod arrays;
 mod atlas;
+mod campaign;
 mod colour;
 mod crystal;
 mod diffraction;
@@ -30,6 +31,7 @@ mod work;
 mod _native {
     #[pymodule_export]
     use super::atlas::{atlas, foretell_atlas};
+    use super::campaign::{Campaign, simd};
     #[pymodule_export]
     use super::colour::{delta_e_2000, xyz_of};
     #[pymodule_export]

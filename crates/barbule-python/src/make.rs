@@ -20,7 +20,7 @@ use crate::structure::Structure;
 use crate::work::How;
 
 /// What `options`, JSON, says of a campaign; what it leaves out is usual.
-fn campaign(options: &str) -> Result<CampaignOptions> {
+pub(crate) fn campaign(options: &str) -> Result<CampaignOptions> {
     serde_json::from_str(options).map_err(|error| Error::input(format!("the campaign's options: {error}")))
 }
 

@@ -9,7 +9,9 @@ use barbule::picture::{Denoise, Quality};
 use barbule::progress::Progress;
 use barbule::render::film::{Film, Pixel, check_size};
 use barbule::render::planes::{Bands, Planes};
-use barbule::scene::description::{ReadyScene, ToldLamp, Tone, ToneWord, WhiteBalance};
+use barbule::scene::description::{
+    Motion, Moved, ReadyScene, ToldLamp, Tone, ToneWord, USUAL_ARC_DEG, WhiteBalance,
+};
 use barbule::scene::preset;
 use barbule::{Error, PictureOptions, Result, SceneDescription, Sensor, resolve};
 use numpy::PyArrayDyn;
@@ -76,6 +78,26 @@ impl Scene {
         let mut description = self.description.clone();
         description.set_material(name);
         Self { description, folder: self.folder.clone() }
+    }
+
+    /// The scenes of a sequence in which `light`, `camera` or `feather` swing over arcs in degrees; the light as usual without any.
+    fn frames(&self, py: Python<'_>, count: u32, arcs: Vec<(String, f64)>) -> PyResult<Vec<Self>> {
+        check_count("count", count as usize, 9999).or_raise(py)?;
+        let arc = |(name, degrees): &(String, f64)| -> Result<(Moved, Motion)> {
+            Ok((Moved::named("'arcs'", name)?, Motion::Arc(*degrees)))
+        };
+        let mut moves = arcs.iter().map(arc).collect::<Result<Vec<_>>>().or_raise(py)?;
+        if moves.is_empty() {
+            moves.push((Moved::Light, Motion::Arc(USUAL_ARC_DEG)));
+        }
+        let frames = self.description.frames(&moves, count).or_raise(py)?;
+        Ok(frames.into_iter().map(|description| Self { description, folder: self.folder.clone() }).collect())
+    }
+
+    /// The folder in which the files lie that it names.
+    #[getter]
+    fn folder(&self) -> PathBuf {
+        self.folder.clone()
     }
 
     /// The text of a scene file.

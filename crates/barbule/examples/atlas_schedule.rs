@@ -14,6 +14,7 @@ use barbule::atlas::{Atlas, Faults, Plan, Schedule, run};
 use barbule::math::rng::Stream;
 use barbule::math::simd::Width;
 use barbule::open::Opening;
+use barbule::progress::Shard;
 use barbule::{Error, Result, Unobserved};
 
 /// Workers of the table.
@@ -33,7 +34,7 @@ fn main() -> Result<()> {
     let store = atlas.create(&made.path().join("units.zarr"))?;
     let parts = atlas.layout().units().div_ceil(measured.max(1));
     // The first unit pays for what is made once.
-    let seconds: Vec<f64> = run(&atlas, &store, &atlas.units(0, parts), &Unobserved)?
+    let seconds: Vec<f64> = run(&atlas, &store, &atlas.units(Shard::new(0, parts)?), &Unobserved)?
         .seconds
         .iter()
         .skip(1)

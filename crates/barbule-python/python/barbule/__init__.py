@@ -9,7 +9,7 @@ Lengths are µm in structures, nm for films and vacuum wavelengths; angles are d
 
 from __future__ import annotations
 
-from . import vision
+from . import distributed, vision
 from ._atlas import Forecast, Outcome, atlas, foretell
 from ._colour import colours, delta_e_2000
 from ._export import Written, export
@@ -63,6 +63,7 @@ __all__ = [
     "compare",
     "crystal",
     "delta_e_2000",
+    "distributed",
     "export",
     "far_fields",
     "film",

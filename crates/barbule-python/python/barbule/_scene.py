@@ -70,6 +70,30 @@ class Scene:
         """The same scene with another material on its barbules: a file, or a structure."""
         return Scene(self._native.with_material(str(name)))
 
+    def frames(self, count: int, arcs: Mapping[str, float] | None = None) -> list[Scene]:
+        """The scenes of a sequence, as ``barbule render --frames`` makes it.
+
+        Args:
+            count: How many, 1 to 9999.
+            arcs: How far ``light``, ``camera`` or ``feather`` swing about where they stand, degrees; 360 goes once round. The light
+                by 40 without.
+
+        Raises:
+            barbule.InputError: Something else that moves, or an arc over ten turns.
+
+        Example:
+            >>> import barbule
+            >>> len(barbule.Scene.load("starling").frames(5, {"light": 40}))
+            5
+        """
+        moves = [(name, float(degrees)) for name, degrees in (arcs or {}).items()]
+        return [Scene(native) for native in self._native.frames(count, moves)]
+
+    @property
+    def folder(self) -> Path:
+        """The folder in which the files lie that it names."""
+        return self._native.folder
+
     def toml(self) -> str:
         """The text of a scene file: every key with its value."""
         return self._native.toml()

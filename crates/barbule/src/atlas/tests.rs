@@ -65,9 +65,9 @@ fn parts_in_any_order_stops_and_repairs_give_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let atlas = atlas(SMALL).unwrap();
-    assert_eq!((atlas.cells(), atlas.layout().units(), atlas.units(1, 4)), (9, 6, vec![1, 5]));
+    assert_eq!((atlas.cells(), atlas.layout().units(), atlas.units(Shard::new(1, 4).unwrap())), (9, 6, vec![1, 5]));
     let whole = atlas.create(&path("whole.zarr")).unwrap();
-    let outcome = run(&atlas, &whole, &atlas.units(0, 1), &Unobserved).unwrap();
+    let outcome = run(&atlas, &whole, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     assert_eq!((outcome.computed, outcome.found, outcome.seconds.len()), (6, 0, 6));
     let expected = bytes_of(&path("whole.zarr"));
     assert!(!expected.keys().any(|name| name.starts_with('.')), "{:?}", expected.keys());
@@ -77,14 +77,14 @@ fn parts_in_any_order_stops_and_repairs_give_the_same_bytes() {
         run(&atlas, &parts, &atlas.units(part, 3), &Unobserved).unwrap();
     }
     assert_eq!((parts.status().done, parts.seconds().len()), (4, 4));
-    let again = run(&atlas, &parts, &atlas.units(0, 1), &Unobserved).unwrap();
+    let again = run(&atlas, &parts, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     assert_eq!((again.computed, again.found), (2, 4));
     assert_eq!(bytes_of(&path("parts.zarr")), expected);
 
     let stopped = atlas.create(&path("stopped.zarr")).unwrap();
-    let error = run(&atlas, &stopped, &atlas.units(0, 1), &Stops(AtomicUsize::new(5))).unwrap_err();
+    let error = run(&atlas, &stopped, &atlas.units(Shard::WHOLE), &Stops(AtomicUsize::new(5))).unwrap_err();
     assert!(error.is_interrupted() && stopped.status().done < 6);
-    run(&atlas, &stopped, &atlas.units(0, 1), &Unobserved).unwrap();
+    run(&atlas, &stopped, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     assert_eq!(bytes_of(&path("stopped.zarr")), expected);
 
     let file = path("parts.zarr").join("mean/c.1.0.0.0");
@@ -92,7 +92,7 @@ fn parts_in_any_order_stops_and_repairs_give_the_same_bytes() {
     bad[5] ^= 1;
     std::fs::write(&file, bad).unwrap();
     assert_eq!(parts.status().damaged, 1);
-    assert_eq!(run(&atlas, &parts, &atlas.units(0, 1), &Unobserved).unwrap().repaired, 1);
+    assert_eq!(run(&atlas, &parts, &atlas.units(Shard::WHOLE), &Unobserved).unwrap().repaired, 1);
     assert_eq!(bytes_of(&path("parts.zarr")), expected);
 }
 
@@ -102,7 +102,7 @@ fn cells_are_the_spectra_of_their_structures() {
     let folder = tempfile::tempdir().unwrap();
     let atlas = atlas(SMALL).unwrap();
     let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
-    run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
+    run(&atlas, &store, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     let (mean, srgb) = (store.numbers("mean").unwrap(), store.numbers("srgb").unwrap());
     for cell in [0, 5, 8] {
         let structure = atlas.structure(cell).unwrap();
@@ -153,7 +153,7 @@ fn cells_that_are_no_structure_are_refused_or_empty() {
     let folder = tempfile::tempdir().unwrap();
     let empty = atlas(&text.replace("unit_cells", "impossible = 'empty'\nunit_cells")).unwrap();
     let store = empty.create(&folder.path().join("s.zarr")).unwrap();
-    run(&empty, &store, &empty.units(0, 1), &Unobserved).unwrap();
+    run(&empty, &store, &empty.units(Shard::WHOLE), &Unobserved).unwrap();
     let mean = store.numbers("mean").unwrap();
     assert!(mean[0].as_ref().unwrap()[0].is_nan() && mean[1].as_ref().unwrap()[0] > 0.0);
     assert_eq!(store.status().done, empty.layout().units());
@@ -169,7 +169,7 @@ fn a_forecast_counts_the_files_that_are_then_there() {
         "{forecast:?}"
     );
     let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
-    run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
+    run(&atlas, &store, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     assert_eq!(bytes_of(&folder.path().join("s.zarr")).len(), forecast.files);
     assert!(store.bytes() >= 1000);
 }
@@ -200,7 +200,7 @@ values = '200:400'
     let folder = tempfile::tempdir().unwrap();
     let atlas = atlas(text).unwrap();
     let store = atlas.create(&folder.path().join("s.zarr")).unwrap();
-    run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
+    run(&atlas, &store, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     let catches = store.numbers("catches_starling").unwrap();
     assert_eq!((catches.len(), catches[0].as_ref().unwrap().len()), (6, 4));
     assert!(atlas.words(4).starts_with("thick, layer1 "));

@@ -18,6 +18,7 @@ use crate::io::Units;
 use crate::math::simd::Width;
 use crate::progress::{OnlyStops, Progress, Shard};
 use crate::scattering::far_field::{Illumination, Polarization, Window};
+use crate::solve::cost::Cost;
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::wave_number_per_um;
@@ -116,12 +117,10 @@ impl HaloPlan {
     /// # Errors
     /// As the solvers; a unit cannot be written; or the user cancelled.
     pub fn measure(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Halo> {
-        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
+        let instances = self.segments()?;
         progress.begin("segments", self.count() as u64);
-        let knots = self
-            .lights()
-            .into_iter()
-            .map(|(nm, direction)| self.kept_knot(nm, direction, &instances, units, progress))
+        let knots = (0..self.units())
+            .map(|unit| self.kept_knot(self.light(unit), &instances, units, progress))
             .collect::<Result<Vec<_>>>()?;
         let shares = (0..SIGMAS.len()).flat_map(|part| knots.iter().map(move |knot| knot.share(part)));
         Ok(Halo {
@@ -141,29 +140,70 @@ impl HaloPlan {
     /// # Errors
     /// As [`Self::measure`]; what is kept till then stays.
     pub fn measure_part(&self, shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
-        let lights = self.lights();
         // As many cells are in a segment as squares of wavelengths.
-        let costs: Vec<f64> = lights.iter().map(|(nm, _)| nm.powi(-2)).collect();
-        let mut own: Vec<_> = shard.by_cost(&costs).into_iter().map(|place| lights[place]).collect();
-        own.retain(|&(nm, direction)| self.kept(nm, direction, units).is_none());
-        if own.is_empty() {
+        let costs: Vec<f64> = (0..self.units()).map(|unit| self.light(unit).0.powi(-2)).collect();
+        let mut left = shard.by_cost(&costs);
+        left.retain(|unit| !self.is_done(*unit, units));
+        if left.is_empty() {
             return Ok(());
         }
-        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
-        progress.begin("segments", (own.len() * self.instances) as u64);
-        own.into_iter().try_for_each(|(nm, direction)| {
-            self.kept_knot(nm, direction, &instances, Some(units), progress).map(|_| ())
+        let instances = self.segments()?;
+        progress.begin("segments", (left.len() * self.instances) as u64);
+        left.into_iter().try_for_each(|unit| {
+            self.kept_knot(self.light(unit), &instances, Some(units), progress).map(|_| ())
         })
     }
 
-    /// Wavelength, nm, and θ_i and φ_i, rad, of all light.
-    fn lights(&self) -> Vec<(f64, [f64; 2])> {
-        let directions = COSINES.into_iter().flat_map(|cos_theta| {
-            COSINES.into_iter().map(move |cos_phi| [libm::acos(cos_theta), libm::acos(cos_phi)])
-        });
-        let directions: Vec<[f64; 2]> = directions.collect();
-        let of = |&nm: &f64| directions.iter().map(|direction| (nm, *direction)).collect::<Vec<_>>();
-        self.wavelengths_nm.iter().flat_map(of).collect()
+    /// Units of its work, each a wavelength and a direction of the light: far fields of all segments.
+    #[must_use]
+    pub fn units(&self) -> usize {
+        self.wavelengths_nm.len() * COSINES.len() * COSINES.len()
+    }
+
+    /// Whether a unit was kept.
+    #[must_use]
+    pub fn is_done(&self, unit: usize, units: &Units) -> bool {
+        let light = self.light(unit);
+        units.get::<Knot>(&knot_name(light), &self.identity(light)).is_some()
+    }
+
+    /// Simulates a unit and keeps it, unless it is there.
+    ///
+    /// # Errors
+    /// As [`Self::measure`].
+    pub fn run_unit(&self, unit: usize, units: &Units, progress: &dyn Progress) -> Result<()> {
+        if self.is_done(unit, units) {
+            return Ok(());
+        }
+        progress.begin("segments", self.instances as u64);
+        self.kept_knot(self.light(unit), &self.segments()?, Some(units), progress).map(|_| ())
+    }
+
+    /// What a unit takes at most on so many threads: at the shortest wavelength.
+    ///
+    /// # Errors
+    /// A segment cannot be made.
+    pub fn unit_cost(&self, threads: usize) -> Result<Cost> {
+        let segment = self.segment(0)?;
+        let (wavelength_nm, [theta_i, phi_i]) = self.light(0);
+        let light = SegmentLight { wavelength_nm, theta_i, phi_i, window_um: self.window_um(), turn: 0.0 };
+        segment::cost(&segment, &light, &SegmentAccuracy::default(), threads)
+    }
+
+    /// Wavelength, nm, and direction, rad, of a unit: all cosφ_i of a cosθ_i, all of these at a wavelength.
+    fn light(&self, unit: usize) -> (f64, [f64; 2]) {
+        let across = COSINES.len();
+        let cosines = [COSINES[unit / across % across], COSINES[unit % across]];
+        (self.wavelengths_nm[unit / (across * across)], cosines.map(libm::acos))
+    }
+
+    fn segments(&self) -> Result<Vec<Segment>> {
+        (0..self.instances).map(|index| self.segment(index)).collect()
+    }
+
+    /// Standard deviations of the light's window, µm.
+    fn window_um(&self) -> [f64; 2] {
+        [0.25 * self.structure.width_um(), 0.25 * self.length_um]
     }
 
     /// Given sections serve again with other heights when there are no more.
@@ -175,30 +215,24 @@ impl HaloPlan {
 
     fn kept_knot(
         &self,
-        nm: f64,
-        direction: [f64; 2],
+        light: (f64, [f64; 2]),
         instances: &[Segment],
         units: Option<&Units>,
         progress: &dyn Progress,
     ) -> Result<Knot> {
-        if let Some(knot) = units.and_then(|units| self.kept(nm, direction, units)) {
+        let (name, identity) = (knot_name(light), self.identity(light));
+        if let Some(knot) = units.and_then(|units| units.get(&name, &identity)) {
             progress.advance(instances.len() as u64);
             return Ok(knot);
         }
-        let knot = self.knot(nm, direction, instances, progress)?;
-        let keep = |units: &Units| units.keep(&name_of(nm, direction), &self.identity(nm, direction), &knot);
-        units.map_or(Ok(()), keep)?;
+        let knot = self.knot(light, instances, progress)?;
+        units.map_or(Ok(()), |units| units.keep(&name, &identity, &knot))?;
         Ok(knot)
-    }
-
-    fn kept(&self, nm: f64, direction: [f64; 2], units: &Units) -> Option<Knot> {
-        units.get(&name_of(nm, direction), &self.identity(nm, direction))
     }
 
     fn knot(
         &self,
-        wavelength_nm: f64,
-        [theta_i, phi_i]: [f64; 2],
+        (wavelength_nm, [theta_i, phi_i]): (f64, [f64; 2]),
         instances: &[Segment],
         progress: &dyn Progress,
     ) -> Result<Knot> {
@@ -217,7 +251,7 @@ impl HaloPlan {
                 Ok(Polarization::BOTH.map(of).iter().sum::<f64>() / 2.0)
             })
             .collect::<Result<Vec<f64>>>()?;
-        let window_um = [0.25 * self.structure.width_um(), 0.25 * self.length_um];
+        let window_um = self.window_um();
         let mut rows: Vec<f64> = Vec::new();
         let mut grid = None;
         for (index, segment) in instances.iter().enumerate() {
@@ -251,7 +285,7 @@ impl HaloPlan {
     }
 
     /// Of all that decides a knot's bits.
-    fn identity(&self, wavelength_nm: f64, direction: [f64; 2]) -> String {
+    fn identity(&self, (wavelength_nm, direction): (f64, [f64; 2])) -> String {
         let mut hasher = Hasher::new("halo");
         hasher
             .count("version", HALO_VERSION)
@@ -270,8 +304,8 @@ impl HaloPlan {
     }
 }
 
-/// What a knot is called where it is kept.
-fn name_of(nm: f64, direction: [f64; 2]) -> String {
+/// What a unit's file is called.
+fn knot_name((nm, direction): (f64, [f64; 2])) -> String {
     let [theta, phi] = direction.map(|angle| angle.to_degrees().round());
     format!("halo-{theta}-{phi}-{nm}nm")
 }

@@ -2,7 +2,8 @@
 //! where finished materials are.
 //!
 //! [`CampaignOptions`] and a structure make a [`Plan`]; [`characterize`] simulates and fits it. A [`Catalog`] finds what
-//! is there already. [`Barbules`] are those that a material was made of, made again.
+//! is there already. [`Barbules`] are those that a material was made of, made again. [`Portions`] are a plan for workers on
+//! several machines.
 
 mod again;
 mod catalog;
@@ -11,6 +12,7 @@ mod grazing;
 mod halo;
 mod listing;
 mod options;
+mod portions;
 
 pub use again::{Barbules, species_of};
 pub use catalog::{Catalog, Found, Origin, as_filed};
@@ -20,6 +22,7 @@ use halo::HALO_VERSION;
 pub use halo::HaloPlan;
 pub use listing::{Cached, CachedMaterial, CachedOrders, Contents};
 pub use options::{CampaignOptions, Plan, WAVELENGTHS_NM, outside_wavelengths};
+pub use portions::Portions;
 
 use std::path::Path;
 
@@ -81,15 +84,32 @@ pub fn characterize(
             (store.statistics()?, outcome.repaired)
         }
     };
+    let units = how.store.map(halo_units);
+    let (material, report) = finished(plan, &statistics, options, units.as_ref(), progress)?;
+    Ok(Characterized { material, report, repaired })
+}
+
+/// Where the halo of a campaign is kept: beside its store, which is of 2.5D alone.
+fn halo_units(store: &Path) -> Units {
+    Units::new(&store.with_extension("halo"))
+}
+
+/// Fits the material of a plan's statistics; with its halo, which `units` may have, if `options` ask for it.
+fn finished(
+    plan: &Plan,
+    statistics: &Statistics,
+    options: &FitOptions,
+    units: Option<&Units>,
+    progress: &dyn Progress,
+) -> Result<(FeatherMaterial, FitReport)> {
     let name = plan.structure.name();
-    let (mut material, report) = material_of(&statistics, &name, &plan.description, options, progress)?;
+    let (mut material, report) = material_of(statistics, &name, &plan.description, options, progress)?;
     if options.halo {
-        let units = how.store.map(halo_units);
         let halo = HaloPlan::new(plan);
-        material.halo = Some(halo.measure(units.as_ref(), progress)?);
+        material.halo = Some(halo.measure(units, progress)?);
         material.info["halo"] = halo.info();
     }
-    Ok(Characterized { material, report, repaired })
+    Ok((material, report))
 }
 
 /// Simulates a part of a plan into its store, and of its halo if `options` ask for it: [`characterize`] then finds it there, whoever
@@ -122,11 +142,6 @@ pub fn characterize_part(
         HaloPlan::new(plan).measure_part(shard, &halo_units(path), progress)?;
     }
     Ok(outcome)
-}
-
-/// Where a halo's units are: beside the store, which is of 2.5D alone.
-fn halo_units(store: &Path) -> Units {
-    Units::new(&store.with_extension("halo"))
 }
 
 /// Refuses, before any work, a plan of which no material can be made.

@@ -115,6 +115,7 @@ mod tests {
     use crate::atlas::{Plan, run};
     use crate::math::simd::Width;
     use crate::open::Opening;
+    use crate::progress::Shard;
 
     #[test]
     fn a_page_has_its_maps_its_spectra_and_a_file_of_each_structure() {
@@ -138,7 +139,7 @@ values = [200, 300, 500]
         assert!(
             atlas_page(&atlas, &store, &[]).unwrap_err().to_string().contains("nothing is in the store yet")
         );
-        run(&atlas, &store, &atlas.units(0, 1), &Unobserved).unwrap();
+        run(&atlas, &store, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
         let files = atlas_page(&atlas, &store, &[]).unwrap();
         assert_eq!(files.len(), 2 + 9);
         let index = String::from_utf8(files[0].1.clone()).unwrap();

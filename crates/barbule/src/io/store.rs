@@ -20,6 +20,7 @@ use num_complex::Complex;
 use serde_json::{Value, json};
 
 pub(super) use self::aside::{Files, create_folder, sweep_beside};
+use self::coordinates::Coordinate;
 use self::layout::{ARRAYS, Arrays, Attributes};
 use self::running::Own;
 pub use self::running::{Announced, Run};
@@ -28,7 +29,7 @@ pub(super) use self::layout::{ATLAS, difference};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
-use crate::scattering::statistics::{Axes, Statistics, UnitStatistics};
+use crate::scattering::statistics::{Axes, Statistics, Unit, UnitStatistics};
 use crate::{Error, Result};
 
 /// How far a store is.
@@ -276,6 +277,24 @@ impl Store {
     #[must_use]
     pub fn is_done(&self, wavelength: usize, theta: usize) -> bool {
         self.files.has(&self.arrays.digest.chunk_path(&[wavelength, theta]))
+    }
+
+    /// The files of a unit, relative to the store and with `/`, in the order of writing: it is done when the last is there. A copy
+    /// that is made in this order is a store at any time.
+    #[must_use]
+    pub fn unit_files(&self, Unit { wavelength, theta }: Unit) -> Vec<String> {
+        let kept = self.kept(wavelength);
+        let fields = self.arrays.fields.iter().filter_map(|array| Some(array.chunk_path(&[kept?, theta])));
+        let others = self.arrays.unit.iter().chain([&self.arrays.digest]);
+        fields.chain(others.map(|array| array.chunk_path(&[wavelength, theta]))).collect()
+    }
+
+    /// The files that a store has without any unit: descriptions and coordinates, that of the group last.
+    #[must_use]
+    pub fn own_files(&self) -> Vec<String> {
+        let described = self.arrays.all().map(|array| format!("{}/zarr.json", array.name));
+        let coordinates = self.arrays.coordinates.iter().map(Coordinate::key);
+        described.chain(coordinates).chain(["zarr.json".into()]).collect()
     }
 
     /// Writes a unit.

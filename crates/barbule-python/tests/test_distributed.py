@@ -1,0 +1,316 @@
+"""Work on a cluster of two processes: killed workers, stopped calls, damaged and remote stores, to the bits of one process."""
+
+import dataclasses
+import hashlib
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import barbule
+from barbule.distributed import _engine, _work
+
+distributed = pytest.importorskip("distributed")
+
+BIRD = "starling:pink"
+#: Six wavelengths and two inclinations: a second of work.
+SMALL = {"thin": 10, "instances": 24}
+#: So short that there are several tasks.
+SHORT = 0.1
+
+
+@pytest.fixture(scope="module")
+def client():
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The store of one process, and its material."""
+    store = tmp_path_factory.mktemp("alone") / "s.zarr"
+    barbule.simulate(BIRD, store, **SMALL, progress=False)
+    return store, barbule.fit(store, progress=False)
+
+
+def files(folder):
+    """Every file of a folder, with a hash of its bytes."""
+    found = (path for path in Path(folder).rglob("*") if path.is_file())
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in found}
+
+
+class Killer:
+    """Progress that kills all workers whenever a task has ended, so often: what they had at work is lost with them."""
+
+    def __init__(self, client, times):
+        self.client, self.times = client, times
+
+    def __call__(self, label, done, total):
+        if label == "simulating" and self.times and done < total:
+            self.times -= 1
+            for pid in self.client.run(os.getpid, on_error="ignore").values():
+                os.kill(pid, signal.SIGKILL)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
+    store = tmp_path / "s.zarr"
+    killer = Killer(client, 2)
+    material = barbule.distributed.characterize(
+        BIRD, client=client, store=store, **SMALL, unit_seconds=SHORT, progress=killer
+    )
+    assert killer.times == 0
+    assert files(store) == files(alone[0])
+    assert material.hash == alone[1].hash
+    # Again there is nothing to do.
+    before = {path: path.stat().st_mtime_ns for path in store.rglob("*") if path.is_file()}
+    barbule.distributed.simulate(BIRD, store, client=client, **SMALL, unit_seconds=SHORT, progress=False)
+    assert before == {path: path.stat().st_mtime_ns for path in store.rglob("*") if path.is_file()}
+
+
+class Enough(Exception):
+    """What the caller raises to stop."""
+
+
+def test_a_stopped_call_ends_on_the_workers_and_goes_on(client, alone, tmp_path):
+    store = tmp_path / "s.zarr"
+
+    def stop(label, done, total):
+        if label == "simulating":
+            raise Enough
+
+    arguments = {"client": client, "store": store, "unit_seconds": SHORT, **SMALL}
+    with pytest.raises(Enough):
+        barbule.distributed.characterize(BIRD, progress=stop, **arguments)
+    time.sleep(1.0)
+    there = files(store)
+    assert 0 < len(there) < len(files(alone[0]))
+    time.sleep(1.0)
+    assert files(store) == there and not any(client.processing().values())
+    assert barbule.distributed.characterize(BIRD, progress=False, **arguments).hash == alone[1].hash
+    assert files(store) == files(alone[0])
+
+
+def damage(store):
+    """Flips a bit of a chunk, and loses the end of another unit."""
+    chunks = sorted(store.glob("u/c.*"))
+    bytes_ = bytearray(chunks[0].read_bytes())
+    bytes_[len(bytes_) // 2] ^= 1
+    chunks[0].write_bytes(bytes_)
+    sorted(store.glob("digest/c.*"))[-1].unlink()
+
+
+def test_what_is_damaged_or_lost_is_computed_again(client, alone, tmp_path):
+    store = tmp_path / "s.zarr"
+    barbule.simulate(BIRD, store, **SMALL, progress=False)
+    damage(store)
+    barbule.distributed.simulate(BIRD, store, client=client, **SMALL, unit_seconds=SHORT, progress=False)
+    assert files(store) == files(alone[0])
+
+
+def test_a_store_elsewhere_has_the_same_files(client, alone, tmp_path):
+    pytest.importorskip("fsspec")
+    store = tmp_path / "far" / "s.zarr"
+    arguments = {"client": client, "store": f"file://{store}", **SMALL, "unit_seconds": SHORT, "progress": False}
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
+    assert files(store) == files(alone[0])
+    damage(store)
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
+    assert files(store) == files(alone[0])
+    with pytest.raises(barbule.InputError, match="other parameters"):
+        barbule.distributed.characterize(BIRD, **(arguments | {"seed": 2}))
+
+
+def test_a_halo_is_that_of_one_process(client, tmp_path):
+    small = {"wavelengths_nm": [600.0], "directions": (2, 2), "instances": 2, "halo": True, "progress": False}
+    film = "air/keratin:300±5%/melanin:300/air"
+    made = barbule.distributed.characterize(film, client=client, store=tmp_path / "s.zarr", **small)
+    assert made.hash == barbule.characterize(film, **small).hash
+    with pytest.raises(barbule.InputError, match="a halo is kept in a folder"):
+        barbule.distributed.characterize(film, client=client, store=f"file://{tmp_path}/t.zarr", **small)
+
+
+@pytest.fixture
+def bucket(monkeypatch):
+    """A bucket of a server here that speaks S3, and how fsspec reaches it."""
+    pytest.importorskip("moto")
+    s3fs = pytest.importorskip("s3fs")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    url = f"http://127.0.0.1:{port}"
+    server = subprocess.Popen(
+        [sys.executable, "-m", "moto.server", "-H", "127.0.0.1", "-p", str(port)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    options = {"key": "nobody", "secret": "nothing", "client_kwargs": {"endpoint_url": url, "region_name": "eu-central-1"}}
+    try:
+        for _ in range(300):
+            try:
+                socket.create_connection(("127.0.0.1", port), timeout=1).close()
+                break
+            except OSError:
+                time.sleep(0.1)
+        files_ = s3fs.S3FileSystem(**options)
+        files_.mkdir("feathers")
+        yield "s3://feathers", options, files_
+    finally:
+        server.terminate()
+        server.wait(timeout=20)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_object_stores_hold_the_same_objects(client, alone, bucket, tmp_path):
+    url, options, remote = bucket
+    arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **SMALL, "unit_seconds": SHORT}
+    material = barbule.distributed.characterize(BIRD, **arguments, progress=Killer(client, 1))
+    assert material.hash == alone[1].hash
+    remote.get("feathers/s.zarr", str(tmp_path / "copy"), recursive=True)
+    assert files(tmp_path / "copy") == files(alone[0])
+    xarray = pytest.importorskip("xarray")
+    there = xarray.open_zarr(f"{url}/s.zarr", storage_options=options)
+    assert there["u"].shape == xarray.open_zarr(alone[0])["u"].shape
+    birds = barbule.distributed.spectrum(
+        ["starling", "mallard"], [500, 600], client=client, store=f"{url}/spectra.zarr", storage_options=options, instances=2,
+        progress=False,
+    )
+    assert np.isfinite(birds["reflectance"].values).all()
+
+
+def test_a_sweep_of_spectra_is_that_of_each(client, tmp_path):
+    pytest.importorskip("xarray")
+    names = ["starling:pink", "starling:green", "air/keratin:300±5%/air", "mallard"]
+    how = {"instances": 3, "seed": 2}
+    arguments = {"client": client, "store": tmp_path / "s.zarr", **how, "unit_seconds": 0.01, "progress": False}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = barbule.distributed.spectrum(names, [450, 550, 650], [0, 40], **arguments)
+    for number, name in enumerate(names):
+        one = barbule.spectrum(name, [450, 550, 650], [0, 40], **how, progress=False)
+        assert np.array_equal(found["reflectance"][number], one["reflectance"])
+        assert np.array_equal(found["std"][number], one["std"])
+    assert found["wavelength"].attrs["units"] == "nm" and "done" not in found
+    before = files(tmp_path / "s.zarr")
+    barbule.distributed.spectrum(names, [450, 550, 650], [0, 40], **arguments)
+    assert files(tmp_path / "s.zarr") == before
+    with pytest.raises(barbule.InputError, match="was made with another 'structures'"):
+        barbule.distributed.spectrum(names[:2], [450, 550, 650], [0, 40], **arguments)
+
+
+def test_far_fields_and_crystals_are_those_of_one_process(client, tmp_path):
+    pytest.importorskip("xarray")
+    how = {"solver": "full-wave", "azimuths": 60, "elements_per_wavelength": 4.0, "memory_bytes": 1 << 29}
+    thin = "air/keratin:300±5%/air"
+    found = barbule.distributed.far_fields(
+        thin, [600, 650], 0, [0, 20], client=client, store=tmp_path / "f.zarr", instances=2, **how, progress=False
+    )
+    section = barbule.open(thin).instance(1, 1)
+    one = barbule.far_fields(section, [650], 0, [0, 20], **how, progress=False)
+    assert np.array_equal(found["intensity"][1, 1], one["intensity"][0])
+    assert np.array_equal(found["amplitude"][1, 1], one["amplitude"][0])
+    assert np.allclose(found["phi_o"], one["phi_o"], atol=1e-12, rtol=0)
+    crystal = barbule.distributed.crystal(
+        "mallard:blue", [450, 500], [0, 30], client=client, store=tmp_path / "c.zarr", progress=False
+    )
+    alike = barbule.crystal("mallard:blue", [450, 500], [0, 30], progress=False)
+    assert np.array_equal(crystal["R"].transpose("phi_i", "wavelength", "polarization"), alike["R"])
+
+
+def test_frames_are_the_pictures_of_one_process(client, tmp_path):
+    frames = barbule.Scene.load("starling").frames(3, {"light": 40})
+    arguments = {"client": client, "size": (24, 16), "samples": 1, "memory_bytes": 1 << 29, "progress": False}
+    made = barbule.distributed.render_frames(frames, tmp_path / "F.png", **arguments)
+    assert [path.name for path in made] == ["F-0000.png", "F-0001.png", "F-0002.png"]
+    for frame, path in zip(frames, made):
+        frame.render((24, 16), 1, progress=False).save(tmp_path / "one.png")
+        assert (tmp_path / "one.png").read_bytes() == path.read_bytes()
+    times = [path.stat().st_mtime_ns for path in made]
+    made[1].write_bytes(b"half")
+    again = barbule.distributed.render_frames(frames, tmp_path / "F.png", **arguments)
+    assert [path.stat().st_mtime_ns == before for path, before in zip(again, times)] == [True, False, True]
+    other = barbule.distributed.render_frames(frames[:1], tmp_path / "F.png", **(arguments | {"seed": 2}))
+    assert other[0].stat().st_mtime_ns != times[0]
+
+
+def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):
+    run = barbule.distributed.characterize
+    for arguments, sentence in [
+        ({"client": "tcp://nowhere"}, "give a distributed.Client"),
+        ({"unit_seconds": 0.0}, "units of 0 s cannot be made"),
+        ({"simd": "mmx"}, "which not all workers and this process have"),
+        ({"threads": 0}, "'threads' is 0"),
+        ({"storage_options": {"key": object()}}, "cannot be sent to workers"),
+        ({"sigma": 7.0}, "7"),
+    ]:
+        with pytest.raises(barbule.InputError, match=sentence):
+            run(BIRD, **({"client": client, "store": tmp_path / "s.zarr", **SMALL, "progress": False} | arguments))
+    poor = dataclasses.replace(_engine.asked(client), memory_bytes=1e6)
+    with pytest.raises(barbule.InputError, match="a worker has 1 MB"):
+        _engine.compute(None, [range(1)], poor, memory_bytes=2e6)
+
+
+def test_workers_begin_no_more_than_fits_their_memory():
+    from barbule.distributed._worker import Budget, Stopped
+
+    budget, most, at_once, lock = Budget(), [0], [0], threading.Lock()
+
+    def task(bytes_):
+        with budget.share(bytes_, 10.0, lambda *_: None):
+            with lock:
+                at_once[0] += bytes_
+                most[0] = max(most[0], at_once[0])
+            time.sleep(0.01)
+            with lock:
+                at_once[0] -= bytes_
+
+    tasks = [threading.Thread(target=task, args=(4,)) for _ in range(8)]
+    for each in tasks:
+        each.start()
+    for each in tasks:
+        each.join()
+    assert most[0] == 8
+
+    def stopped(*_):
+        raise Stopped
+
+    with budget.share(8.0, 10.0, stopped), pytest.raises(Stopped), budget.share(8.0, 10.0, stopped):
+        pass
+    # More than there is, alone.
+    task(20)
+
+
+def test_a_worker_that_opens_another_structure_says_so(tmp_path):
+    pink, green = (barbule.open(f"starling:{name}").hash for name in ("pink", "green"))
+    assert _work.opened_alike("starling:pink", (), pink).hash == pink
+    with pytest.raises(barbule.InputError, match="is another structure on this worker"):
+        _work.opened_alike("starling:pink", (), green)
+    file = tmp_path / "a.toml"
+    file.write_text("")
+    assert _work.placed(f"{file} (below)") == f"{file} (below)"
+    assert _work.placed("air/keratin:300/air") == "air/keratin:300/air"
+
+
+def test_without_dask_a_sentence_says_what_to_install(tmp_path):
+    program = """
+import sys
+sys.modules["distributed"] = None
+import barbule
+try:
+    barbule.distributed.characterize("starling", client=None, store="s.zarr")
+except barbule.InputError as error:
+    print(error)
+"""
+    found = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True)
+    assert "pip install 'barbule[distributed]'" in found.stdout, found.stderr

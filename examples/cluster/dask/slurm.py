@@ -1,0 +1,47 @@
+"""A starling's material on a Slurm cluster, by dask-jobqueue.
+
+    pip install 'barbule[distributed]' dask-jobqueue
+    python slurm.py
+
+Adapt what is marked. Run it where jobs can be submitted from and reach back: a login node, or a small job of its own. Run again after
+whatever stopped it; what is in the store is not computed again.
+"""
+
+from __future__ import annotations
+
+import os
+
+from dask_jobqueue import SLURMCluster
+
+
+def cluster() -> SLURMCluster:
+    """Jobs of 16 cores, each one process with 16 slots: its instances are prepared once, and each task has one thread."""
+    return SLURMCluster(
+        queue="normal",  # yours
+        account=None,  # yours, where jobs need one
+        cores=16,
+        processes=1,
+        memory="32GB",
+        walltime="02:00:00",
+        # A job whose time ends stops taking tasks before it is killed. The resource is the memory that tasks may take, bytes.
+        worker_extra_args=["--lifetime", "110m", "--lifetime-stagger", "5m", "--resources", "barbule-memory=30e9"],
+        local_directory=os.environ.get("TMPDIR", "/tmp"),
+        job_extra_directives=["--nice=100"],
+    )
+
+
+def main() -> None:
+    """Ten jobs, 160 slots."""
+    import barbule
+    from distributed import Client
+
+    with cluster() as jobs, Client(jobs) as client:
+        jobs.scale(jobs=10)
+        client.wait_for_workers(1)
+        # A folder that every node sees.
+        material = barbule.distributed.characterize("starling:green", client=client, store="starling-green.zarr")
+        material.save("starling-green.barbule")
+
+
+if __name__ == "__main__":
+    main()
