@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use barbule::Result;
 use barbule::atlas::{Atlas, Plan, foretell, run};
 use barbule::campaign::Allowance;
 use barbule::io::available_memory;
 use barbule::math::simd::Width;
 use barbule::progress::{Progress, Shard};
-use barbule::Result;
 use pyo3::prelude::*;
 
 use crate::error::OrRaise as _;

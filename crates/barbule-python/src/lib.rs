@@ -31,6 +31,7 @@ mod work;
 mod _native {
     #[pymodule_export]
     use super::atlas::{atlas, foretell_atlas};
+    #[pymodule_export]
     use super::campaign::{Campaign, simd};
     #[pymodule_export]
     use super::colour::{delta_e_2000, xyz_of};

@@ -65,7 +65,10 @@ fn parts_in_any_order_stops_and_repairs_give_the_same_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let atlas = atlas(SMALL).unwrap();
-    assert_eq!((atlas.cells(), atlas.layout().units(), atlas.units(Shard::new(1, 4).unwrap())), (9, 6, vec![1, 5]));
+    assert_eq!(
+        (atlas.cells(), atlas.layout().units(), atlas.units(Shard::new(1, 4).unwrap())),
+        (9, 6, vec![1, 5])
+    );
     let whole = atlas.create(&path("whole.zarr")).unwrap();
     let outcome = run(&atlas, &whole, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
     assert_eq!((outcome.computed, outcome.found, outcome.seconds.len()), (6, 0, 6));
@@ -74,7 +77,7 @@ fn parts_in_any_order_stops_and_repairs_give_the_same_bytes() {
 
     let parts = atlas.create(&path("parts.zarr")).unwrap();
     for part in [2, 0] {
-        run(&atlas, &parts, &atlas.units(part, 3), &Unobserved).unwrap();
+        run(&atlas, &parts, &atlas.units(Shard::new(part, 3).unwrap()), &Unobserved).unwrap();
     }
     assert_eq!((parts.status().done, parts.seconds().len()), (4, 4));
     let again = run(&atlas, &parts, &atlas.units(Shard::WHOLE), &Unobserved).unwrap();
