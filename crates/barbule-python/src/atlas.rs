@@ -60,6 +60,7 @@ pub(crate) fn atlas(
             let needed = foretell(&atlas, progress)?.memory_bytes;
             allowed.check("the atlas", needed, "fewer angles, wavelengths or individuals")?;
         }
+        let _announced = store.announce(shard);
         let outcome = run(&atlas, &store, &units, progress)?;
         Ok((outcome.computed, outcome.found, outcome.repaired, outcome.seconds))
     })

@@ -1,6 +1,7 @@
 //! How work is shared out to several processes that do not know of each other.
 
 use std::fmt;
+use std::iter::StepBy;
 use std::ops::Range;
 use std::str::FromStr;
 
@@ -55,6 +56,12 @@ impl Shard {
         // The product may be over what 32 bits hold.
         let bound = |part: usize| (count as u128 * part as u128 / self.of as u128) as usize;
         bound(self.number)..bound(self.number + 1)
+    }
+
+    /// The places of this part's units where units are dealt out in turn: part i has every `of`-th from i on. Where neighbours take about
+    /// the same time, so do such parts.
+    pub fn every(self, count: usize) -> StepBy<Range<usize>> {
+        (self.number..count.max(self.number)).step_by(self.of)
     }
 
     /// The places of this part's units where each takes another time, `costs` in any unit: parts of about equal time, of neighbours in the
@@ -113,6 +120,17 @@ mod tests {
             assert_eq!(next, count);
         }
         assert_eq!(Shard::WHOLE.range(7), 0..7);
+    }
+
+    #[test]
+    fn parts_in_turn_are_together_everything() {
+        for (count, of) in [(0, 3), (7, 3), (2, 5), (1, 1)] {
+            let mut all: Vec<usize> =
+                (0..of).flat_map(|number| Shard::new(number, of).unwrap().every(count)).collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>());
+        }
+        assert_eq!(Shard::new(1, 3).unwrap().every(7).collect::<Vec<_>>(), [1, 4]);
     }
 
     #[test]
