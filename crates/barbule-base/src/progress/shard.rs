@@ -90,10 +90,14 @@ impl FromStr for Shard {
 
     /// Reads `i/n`.
     fn from_str(text: &str) -> Result<Self> {
-        text.split_once('/')
-            .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
-            .and_then(|(number, of)| Self::new(number, of).ok())
-            .ok_or_else(|| Error::input(format!("{}: write i/n with 0 <= i < n, as in 0/4", shortened(text))))
+        let refuse = |what: &str| Error::input(format!("{}: {what}", shortened(text)));
+        let numbers =
+            text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
+        match numbers {
+            Some((number, of)) if number < of => Self::new(number, of)
+                .map_err(|_| refuse(&format!("work is cut into at most {MOST_SHARDS} parts"))),
+            _ => Err(refuse("write i/n with 0 <= i < n, as in 0/4")),
+        }
     }
 }
 
@@ -154,13 +158,15 @@ mod tests {
 
     #[test]
     fn parts_that_are_none_are_refused() {
-        for bad in ["", "1", "2/2", "-1/2", "0/0", "1/2/3", "0/100001", "a/b", "0.5/2", "1/", "/2"] {
+        for bad in ["", "1", "2/2", "-1/2", "0/0", "1/2/3", "a/b", "0.5/2", "1/", "/2"] {
             let error = bad.parse::<Shard>().unwrap_err();
             assert!(
                 error.is_input() && error.to_string().ends_with("0 <= i < n, as in 0/4"),
                 "{bad}: {error}"
             );
         }
+        let error = "0/100001".parse::<Shard>().unwrap_err();
+        assert_eq!(error.to_string(), "0/100001: work is cut into at most 100000 parts");
         let read: Shard = " 3 / 16".parse().unwrap();
         assert_eq!((read, read.to_string()), (Shard::new(3, 16).unwrap(), "3/16".to_owned()));
         assert!(Shard::new(4, 4).unwrap_err().to_string().starts_with("part 4 of 4: "));
