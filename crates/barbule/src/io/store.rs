@@ -194,6 +194,16 @@ impl Store {
         self.files.announce(shard)
     }
 
+    /// As [`Self::announce`], until [`Self::leave`] or the end of this value.
+    pub(crate) fn enter(&self, shard: Shard) {
+        self.files.enter(shard);
+    }
+
+    /// Ends what [`Self::enter`] began.
+    pub(crate) fn leave(&self) {
+        self.files.leave();
+    }
+
     /// How far every unit is, and which processes compute; reads all units.
     #[must_use]
     pub fn survey(&self) -> Survey {
