@@ -67,8 +67,9 @@ use crate::structure::Structure;
 use crate::vision::View;
 use crate::{Error, Result};
 
-/// Angles of incidence, degrees: all below.
+/// Angles of incidence, degrees: all below. And how many there are, at most.
 const GRAZING_DEG: f64 = 90.0;
+const MOST_ANGLES: usize = 1_000;
 
 /// A plan whose names are opened and whose cells are known.
 pub struct Atlas {
@@ -109,6 +110,11 @@ impl Atlas {
         let angles_deg = plan.angles_deg.values("angles_deg")?;
         if let Some(bad) = angles_deg.iter().find(|angle| angle.abs() >= GRAZING_DEG) {
             return Err(Error::input(format!("angles_deg has {bad}; give angles between -90 and 90"))
+                .about("angles_deg"));
+        }
+        if angles_deg.len() > MOST_ANGLES {
+            let count = angles_deg.len();
+            return Err(Error::input(format!("angles_deg has {count} values, over {MOST_ANGLES}; give fewer"))
                 .about("angles_deg"));
         }
         let views = views(plan, folder, &wavelengths)?;

@@ -1,11 +1,14 @@
 //! An atlas as a page that a browser opens from a folder: maps, the spectrum of the place that is touched, and a file of each
 //! structure. Nothing in it comes from elsewhere.
 
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use super::atlas::{AtlasColours, Panel, atlas_map, panels};
 use crate::atlas::Atlas;
 use crate::io::sweep::SweepStore;
+use crate::io::{claim_output, is_inside_store, make_folder, write_whole};
 use crate::plot::{Format, Page};
 use crate::spectrum::look::hex;
 use crate::{Error, Result};
@@ -16,6 +19,9 @@ const TEMPLATE: &str = include_str!("atlas_page.html");
 /// Structures and numbers of spectra on one page, at most: they are in its text.
 const MOST_CELLS: usize = 20_000;
 const MOST_NUMBERS: usize = 10_000_000;
+
+/// The folder of the structures' files.
+const STRUCTURES: &str = "structures";
 
 /// Reflectances on the page are whole numbers of this part.
 const PART: f64 = 1e-4;
@@ -62,9 +68,44 @@ pub fn atlas_page(
     let map = atlas_map(atlas.name(), atlas, &colours, &Page::default())?.encode(Format::Svg, notes)?;
     let mut files = vec![("index.html".to_owned(), index.into_bytes()), ("map.svg".to_owned(), map)];
     for cell in (0..atlas.cells()).filter(|cell| colours.of[*cell].is_some()) {
-        files.push((format!("structures/{cell:06}.toml"), atlas.toml(cell)?.into_bytes()));
+        files.push((structure_file(cell), atlas.toml(cell)?.into_bytes()));
     }
     Ok(files)
+}
+
+/// Says before any work what the folder of an atlas' page will hold.
+///
+/// # Errors
+/// A file is there in the folder's place, the folder is a store or inside one, or an input lies where the page would be written.
+pub fn claim_atlas_page(folder: &Path, cells: usize) -> Result<()> {
+    let refuse = |what: &str| Err(Error::input(format!("--page {}: {what}", folder.display())));
+    if folder.is_file() {
+        return refuse("is a file; give a folder");
+    }
+    let around = [Some(folder), folder.parent()].into_iter().flatten();
+    let is_store = |path: &Path| path.join("zarr.json").is_file() || is_inside_store(path);
+    if around.filter(|path| !path.as_os_str().is_empty()).any(is_store) {
+        return refuse("lies inside a campaign store; give a name elsewhere");
+    }
+    let files = ["index.html".to_owned(), "map.svg".to_owned()].into_iter();
+    files.chain((0..cells).map(structure_file)).try_for_each(|name| {
+        let path = folder.join(name);
+        claim_output(&path, &path.display().to_string())
+    })
+}
+
+/// Writes the files of [`atlas_page`] into a folder, the page itself last, when all that it names is there.
+///
+/// # Errors
+/// The folder cannot be made, or a file not be written.
+pub fn write_atlas_page(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<()> {
+    make_folder(&folder.join(STRUCTURES))?;
+    files.iter().rev().try_for_each(|(name, bytes)| write_whole(&folder.join(name), bytes))
+}
+
+/// The file of a cell's structure.
+fn structure_file(cell: usize) -> String {
+    format!("{STRUCTURES}/{cell:06}.toml")
 }
 
 /// A cell: its words, and of each angle colour, mean and spread.
@@ -108,8 +149,6 @@ fn escaped(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
     use crate::Unobserved;
     use crate::atlas::{Plan, run};

@@ -151,11 +151,23 @@ impl SweepLayout {
         1 + 2 * named + self.arrays.len() + 1 + self.units() * (self.arrays.len() + 1) + materials
     }
 
-    /// Bytes of the finished store's arrays; materials come on top.
+    /// Bytes of the finished store's files; materials come on top.
     #[must_use]
-    pub fn bytes(&self) -> usize {
-        let arrays = self.arrays.iter().map(|array| self.sharded(array).most_bytes());
-        self.units() * (arrays.sum::<usize>() + self.digest().most_bytes())
+    pub fn bytes(&self) -> u64 {
+        let mut texts = vec![self.group()];
+        let mut numbers: usize = 0;
+        for array in self.arrays.iter().map(|array| self.sharded(array)).chain([self.digest()]) {
+            numbers += array.all_bytes();
+            texts.push(array.metadata());
+        }
+        for (array, bytes) in self.coordinates() {
+            numbers += bytes.len();
+            texts.push(array.metadata());
+        }
+        if self.with_materials {
+            texts.push(materials_group());
+        }
+        (numbers + texts.iter().map(|text| written(text).len()).sum::<usize>()) as u64
     }
 
     /// Refuses what no store can be.
@@ -346,7 +358,7 @@ impl SweepLayout {
         let files = Files::new(made);
         let refuse = |e: std::io::Error| failure(path, "the store cannot be created", &e);
         let write = |key: &str, metadata: &Value| {
-            files.write(key, format!("{metadata:#}\n").as_bytes()).map_err(refuse)
+            files.write(key, written(metadata).as_bytes()).map_err(refuse)
         };
         for array in self.all() {
             write(&format!("{}/zarr.json", array.name), &array.metadata())?;
@@ -395,6 +407,11 @@ impl SweepLayout {
             None => Ok(()),
         }
     }
+}
+
+/// Metadata as they stand in a file.
+fn written(metadata: &Value) -> String {
+    format!("{metadata:#}\n")
 }
 
 /// What a store's folder of materials says about itself.

@@ -18,7 +18,7 @@ use serde_json::Value;
 use self::layout::MATERIALS;
 pub use self::layout::{MOST_CELLS, SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
 use super::output::{behind_links, is_inside_store};
-use super::store::{Files, Status, create_folder, sweep_beside};
+use super::store::{ATLAS, Files, Status, create_folder, sweep_beside};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::Sharded;
 use crate::{Error, Result};
@@ -115,6 +115,15 @@ impl SweepStore {
         let arrays = layout.arrays.iter().map(|array| layout.sharded(array)).collect();
         let (digest, hash) = (layout.digest(), layout.hash());
         Ok(Self { path: path.to_owned(), files: Files::new(path), layout, arrays, digest, hash })
+    }
+
+    /// The SIMD instructions that the store `path` is computed with; `None` where there is none that can be read.
+    #[must_use]
+    pub fn width_of(path: &Path) -> Option<String> {
+        let group: Value = serde_json::from_str(&read_text(&path.join("zarr.json")).ok()?).ok()?;
+        let attributes = &group["attributes"];
+        let width = attributes["simd"].as_str().filter(|_| attributes["barbule_store"] == ATLAS);
+        width.map(str::to_owned)
     }
 
     /// What it is made of.
