@@ -44,10 +44,11 @@ impl Drawn {
     /// Refuses before any work what cannot be written.
     fn check(&self, atlas: &Atlas) -> Result<()> {
         if let Some(picture) = &self.picture {
+            AtlasColours::check(atlas)?;
             Format::of(picture)?;
             check_writable(picture)?;
         }
-        self.page.as_ref().map_or(Ok(()), |page| claim_atlas_page(page, atlas.cells()))
+        self.page.as_ref().map_or(Ok(()), |page| claim_atlas_page(page, atlas))
     }
 
     fn draw(&self, atlas: &Atlas, store: &SweepStore) -> Result<()> {
@@ -168,12 +169,7 @@ impl AtlasUnits {
 
     /// Seconds of a unit on one thread and memory of a process that computes on so many, bytes, foretold; takes seconds.
     #[pyo3(signature = (threads, progress))]
-    fn foretell(
-        &self,
-        py: Python<'_>,
-        threads: usize,
-        progress: Option<Py<PyAny>>,
-    ) -> PyResult<(f64, u64)> {
+    fn foretell(&self, py: Python<'_>, threads: usize, progress: Option<Py<PyAny>>) -> PyResult<(f64, u64)> {
         let found = How::new(Some(threads), progress).run(py, |progress| foretell(&self.atlas, progress))?;
         Ok((found.core_hours() * 3600.0 / found.units as f64, found.memory_bytes))
     }

@@ -68,7 +68,10 @@ impl Args {
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         if let Some(folder) = &self.page {
-            claim_atlas_page(folder, atlas.cells())?;
+            claim_atlas_page(folder, &atlas)?;
+        }
+        if self.picture.is_some() {
+            AtlasColours::check(&atlas)?;
         }
         let store = atlas.create(path)?;
         let mut document = self.compute(&atlas, &store, path, &progress)?;

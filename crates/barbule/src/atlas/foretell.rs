@@ -8,7 +8,8 @@ use std::time::Duration;
 use super::Atlas;
 use crate::campaign::spectrum::{SpectrumRequest, spectra_by};
 use crate::campaign::{
-    Allowance, Campaign, Demand, Keep, Resources, Results, orders, spectrum_bytes, statistics,
+    Allowance, Campaign, CampaignParameters, Demand, Keep, Resources, Results, orders, spectrum_bytes,
+    statistics,
 };
 use crate::characterize::CampaignOptions;
 use crate::clock;
@@ -17,7 +18,7 @@ use crate::spectrum::Wavelengths;
 use crate::structure::Structure;
 use crate::{Error, Result};
 
-/// Cells that are tried, spread over all.
+/// Cells that are tried, spread over all, where nobody asks for more.
 const TRIED: usize = 9;
 
 /// Wavelengths at which they are, at least, and seconds that a trial takes before it is believed.
@@ -65,10 +66,17 @@ impl Forecast {
 /// # Errors
 /// None of the cells that are tried is a structure, one cannot be simulated, or a stop.
 pub fn foretell(atlas: &Atlas, progress: &dyn Progress) -> Result<Forecast> {
+    foretell_by(atlas, TRIED, progress)
+}
+
+/// As [`foretell`], by so many cells.
+///
+/// # Errors
+/// As [`foretell`].
+pub fn foretell_by(atlas: &Atlas, tried: usize, progress: &dyn Progress) -> Result<Forecast> {
     let (cells, cores) = (atlas.cells(), rayon::current_num_threads());
     // The middles of equal parts: a grid's corners are unlike all else.
-    let mut tried = middles(cells, TRIED);
-    tried.dedup();
+    let tried = middles(cells, tried.max(1));
     progress.begin("trying a few structures", tried.len() as u64);
     let quiet = OnlyStops(progress);
     let mut cell_seconds = Vec::with_capacity(tried.len());
@@ -157,14 +165,8 @@ impl Largest {
         };
         let plan = options.plan(structure)?;
         let (keep, results) = (Keep::Statistics, Results::Gathered);
-        let demand = Demand::predict(
-            &plan.structure,
-            &plan.parameters,
-            keep,
-            results,
-            Allowance::UNKNOWN,
-            progress,
-        )?;
+        let demand =
+            Demand::predict(&plan.structure, &plan.parameters, keep, results, Allowance::UNKNOWN, progress)?;
         Ok(spectra.max(demand.bytes(usize::MAX)))
     }
 }
@@ -180,7 +182,8 @@ fn spectra_seconds(
     let nm = request.wavelengths.nm();
     let (all, round) = (request.instances, cores.min(request.instances));
     let time = |count: usize, instances: usize| -> Result<f64> {
-        let wavelengths = Wavelengths::new(middles(nm.len(), count).into_iter().map(|i| nm[i]))?;
+        let few: Vec<f64> = middles(nm.len(), count).into_iter().map(|i| nm[i]).collect();
+        let wavelengths = Wavelengths::new(few)?;
         let request = SpectrumRequest { wavelengths, instances, ..request.clone() };
         let began = clock::system();
         spectra_by(atlas.width, structure, &request, progress)?;
@@ -229,19 +232,19 @@ fn material_seconds(
     let tried = CampaignOptions {
         wavelengths_nm: chosen.clone(),
         instances: Some(round),
-        directions: options.directions.map(|count| count.div_ceil(options.thin.unwrap_or(1))),
+        directions: options.directions.map(|count| count.div_ceil(options.thin.unwrap_or(1)).max(2)),
         thin: None,
         ..options.clone()
     };
     let plan = tried.plan(structure.clone())?;
+    let parameters = CampaignParameters { places: whole.parameters.places, ..plan.parameters };
     let resources = Resources { width: atlas.width, ..Resources::default() };
-    let [wavelengths, rounds] =
-        [nm.len() as f64 / chosen.len() as f64, instances as f64 / round as f64];
+    let [wavelengths, rounds] = [nm.len() as f64 / chosen.len() as f64, instances as f64 / round as f64];
     let began = clock::system();
-    let solved = orders(structure, &plan.parameters.axes, progress)?;
+    let solved = orders(structure, &parameters.axes, progress)?;
     let orders_s = since(began);
     let began = clock::system();
-    let campaign = Campaign::with_orders(structure, plan.parameters.clone(), solved, &resources, progress)?;
+    let campaign = Campaign::with_orders(structure, parameters, solved, &resources, progress)?;
     let preparing_s = since(began);
     let began = clock::system();
     statistics(&campaign, progress)?;

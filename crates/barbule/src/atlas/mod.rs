@@ -46,7 +46,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::Value;
 
-pub use foretell::{Forecast, foretell};
+pub use foretell::{Forecast, foretell, foretell_by};
 pub use plan::{Impossible, Materials, Patch, Plan, Plane, Vary};
 pub use run::{Outcome, run};
 pub use schedule::{Faults, Schedule};
@@ -114,8 +114,10 @@ impl Atlas {
         }
         if angles_deg.len() > MOST_ANGLES {
             let count = angles_deg.len();
-            return Err(Error::input(format!("angles_deg has {count} values, over {MOST_ANGLES}; give fewer"))
-                .about("angles_deg"));
+            return Err(Error::input(format!(
+                "angles_deg has {count} values, over {MOST_ANGLES}; give fewer"
+            ))
+            .about("angles_deg"));
         }
         let views = views(plan, folder, &wavelengths)?;
         let black = Spectrum::new(wavelengths.clone(), vec![0.0; wavelengths.len()])?;

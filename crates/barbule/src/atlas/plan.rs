@@ -150,7 +150,10 @@ impl Plan {
         let patches = self.patches.iter().enumerate();
         let names = patches.map(|(i, patch)| (format!("patches[{i}].name"), &patch.name));
         for (key, name) in [("name".to_owned(), &self.name)].into_iter().chain(names) {
-            if name.trim().is_empty() || name.chars().count() > MOST_NAME || name.chars().any(char::is_control) {
+            if name.trim().is_empty()
+                || name.chars().count() > MOST_NAME
+                || name.chars().any(char::is_control)
+            {
                 return refuse(key, &format!("must be 1 to {MOST_NAME} letters, without control characters"));
             }
         }

@@ -195,7 +195,8 @@ impl Subject {
 /// The layer, from 0, that `layer1` and so on name.
 fn layer(name: &str, layers: usize) -> Option<usize> {
     // One name for each: neither `layer01` nor `layer+1`.
-    let digits = name.strip_prefix("layer").filter(|digits| digits.starts_with(|c: char| ('1'..='9').contains(&c)))?;
+    let digits =
+        name.strip_prefix("layer").filter(|digits| digits.starts_with(|c: char| ('1'..='9').contains(&c)))?;
     let number: usize = digits.parse().ok()?;
     (number <= layers).then(|| number - 1)
 }

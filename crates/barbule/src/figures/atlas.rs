@@ -29,16 +29,25 @@ pub struct AtlasColours {
 }
 
 impl AtlasColours {
-    /// Reads them from a store.
+    /// Refuses an atlas without colours.
     ///
     /// # Errors
     /// The atlas has no colours.
-    pub fn read(atlas: &Atlas, store: &SweepStore) -> Result<Self> {
+    pub fn check(atlas: &Atlas) -> Result<()> {
         if !atlas.has_colours() {
             return Err(Error::input(
                 "the atlas has no colours, since its wavelengths are too few of what the eye sees; give wavelengths_nm from 400 to 700 nm",
             ));
         }
+        Ok(())
+    }
+
+    /// Reads them from a store.
+    ///
+    /// # Errors
+    /// The atlas has no colours.
+    pub fn read(atlas: &Atlas, store: &SweepStore) -> Result<Self> {
+        Self::check(atlas)?;
         let black = |values: &Vec<f64>| values.iter().all(|value| *value == 0.0);
         let of = |values: Option<Vec<f64>>| {
             // An empty cell is black in all channels; nothing that reflects is.
@@ -223,7 +232,7 @@ fn labelled(name: &str, units: &str) -> String {
 impl Span {
     /// What there is no axis of.
     fn none() -> Self {
-        Self { label: "(no second key)".into(), range: [0.0, 1.0], at: vec![0] }
+        Self { label: String::new(), range: [0.0, 1.0], at: vec![0] }
     }
 }
 
