@@ -5,12 +5,8 @@ use std::path::{Path, PathBuf};
 
 use barbule::atlas::{Atlas, Forecast, Plan, foretell, run};
 use barbule::error::counted;
-<<<<<<< HEAD
-use barbule::figures::{AtlasColours, atlas_map, atlas_page};
-use barbule::io::store::Survey;
-=======
 use barbule::figures::{AtlasColours, atlas_map, atlas_page, claim_atlas_page, write_atlas_page};
->>>>>>> g3
+use barbule::io::store::Survey;
 use barbule::io::sweep::SweepStore;
 use barbule::math::simd::Width;
 use barbule::plot::Page;
