@@ -18,7 +18,7 @@ from .._native import Structure
 from .._opening import Name, structure_of
 from .._progress import ProgressLike, watched
 from ..errors import InputError, MachineError
-from ._engine import UNIT_SECONDS, Cluster, asked, compute
+from ._engine import UNIT_SECONDS, Cluster, asked, compute, refuse_unlike
 from ._mirror import Mirror, is_url, options_text
 from ._work import Watch, identity_of, opened_alike, placed, placed_media
 
@@ -263,8 +263,8 @@ def characterize(
     """
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     work, opened, cluster = _described(structure, store, options, (), storage_options, cache, media, simd, unit_seconds, client)
-    if halo and not cluster.are_alike:
-        raise InputError("a halo needs workers that have the same widest SIMD instructions as this process; choose alike machines")
+    if halo:
+        refuse_unlike(cluster, "halos")
     if halo and is_url(work.store):
         raise InputError("a halo is kept in a folder beside the store; give a store in a folder that all workers see")
     how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}

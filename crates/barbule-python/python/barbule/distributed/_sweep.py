@@ -19,7 +19,7 @@ from .._labels import Axis
 from .._progress import ProgressLike
 from ..errors import InputError, MachineError
 from ._dask import needed
-from ._engine import Cluster, compute
+from ._engine import Cluster, compute, refuse_unlike
 from ._mirror import is_url
 from ._work import VERSION, Prepared, Watch, identity_of
 
@@ -151,7 +151,8 @@ def filled(
     How long an item takes is measured with the first of them, one on each worker's slot; then as many go into a task as take
     `unit_seconds`.
     """
-    group = _made(sweep)
+    refuse_unlike(cluster, sweep.label)
+    group = _made(sweep, cluster.simd)
     how: dict[str, Any] = {"memory_bytes": memory_bytes, "threads": threads, "retries": retries, "progress": progress}
     together, measured = 1, 0
     while True:
@@ -190,7 +191,7 @@ def _missing(group: Any) -> list[int]:
     return [int(item) for item in np.flatnonzero(np.asarray(group[DONE][...]).ravel() == 0)]
 
 
-def _made(sweep: Sweep) -> Any:
+def _made(sweep: Sweep, simd: str) -> Any:
     """The store, made where it is not there.
 
     Raises:
@@ -199,7 +200,7 @@ def _made(sweep: Sweep) -> Any:
     """
     zarr = needed("zarr", "a sweep")
     layout = sweep.layout
-    described = {"layout": LAYOUT, "version": VERSION, **sweep.description}
+    described = {"layout": LAYOUT, "version": VERSION, "simd": simd, **sweep.description}
     described = json.loads(json.dumps(described))
     try:
         group = sweep.group("a")
