@@ -185,17 +185,10 @@ impl Args {
         let mut description = description;
         self.read(&mut description, size, &planes)?;
         let (scene, wardrobe) = self.ready(description)?;
-        let job = |file, human, cleaner| Job {
-            file,
-            human,
-            size,
-            goal,
-            wardrobe: &wardrobe,
-            planes: &planes,
-            cleaner,
-        };
+        let (wardrobe, planes) = (&wardrobe, &planes);
+        let job = |file| Job { file, human: None, size, goal, wardrobe, planes, cleaner: None };
         if let (Some(shard), [file]) = (self.part(), &files[..]) {
-            let report = self.draw_part(&scene, &job(file, None, None), shard)?;
+            let report = self.draw_part(&scene, &job(file), shard)?;
             return if self.common.json { print_json(out, &[report]) } else { Ok(()) };
         }
         let set = self.set(&scene, &Terminal::new(&self.common).writing_nothing())?;
@@ -208,7 +201,7 @@ impl Args {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
             let human = self.human_file(index);
-            let job = job(file, human.as_deref(), cleaner.as_ref());
+            let job = Job { human: human.as_deref(), cleaner: cleaner.as_ref(), ..job(file) };
             let (report, used, ended) = self.picture(&frame, &set, &job, &checkpoints, &terminal)?;
             exposure = Exposure::Factor(used);
             reports.push(report);
