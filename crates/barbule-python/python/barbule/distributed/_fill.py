@@ -12,6 +12,10 @@ from ._engine import Cluster, compute
 from ._work import Work
 
 
+#: A round of trials that takes so long, s, is not repeated.
+LONG_SECONDS = 30.0
+
+
 def fill(
     work: Work,
     missing: Callable[[], Sequence[int]],
@@ -26,8 +30,8 @@ def fill(
 ) -> None:
     """Computes all items that are missing.
 
-    How long an item takes is measured with the first of them, one on each worker's slot; then as many go into a task as take
-    `unit_seconds`.
+    How long an item takes is measured with the first of them, one on each worker's slot, and again when all is loaded; then as many go
+    into a task as take `unit_seconds`.
 
     Args:
         work: What is computed.
@@ -49,7 +53,6 @@ def fill(
         if not items:
             return
         if together == 1 and measured < 2 and len(items) > cluster.slots:
-            # The second time everything is loaded.
             tasks = [range(item, item + 1) for item in items[: cluster.slots]]
         else:
             tasks = _runs(items, together)
@@ -58,7 +61,7 @@ def fill(
         compute(work, tasks, cluster, memory_bytes=memory_bytes, threads=threads, retries=retries, progress=progress)
         seconds = max(time.monotonic() - begun, 1e-3)
         if is_trial:
-            measured = 2 if seconds >= unit_seconds else measured + 1
+            measured = 2 if seconds >= LONG_SECONDS else measured + 1
             if measured == 2 and seconds < unit_seconds:
                 together = ceil(unit_seconds / seconds)
         elif len(missing()) == len(items):

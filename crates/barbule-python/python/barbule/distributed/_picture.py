@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -21,6 +23,10 @@ from ._work import Watch, identity_of, placed_media
 
 #: How often what is damaged or lost is rendered again before the call gives up.
 MOST_REPAIRS = 2
+
+#: The picture that this process renders parts of, by its identity: its tasks come in several rounds, and the scene stands through all of them.
+_kept: dict[str, _native.Parts] = {}
+_keeping = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -82,13 +88,18 @@ class PictureWork:
         )
 
     def prepare(self, folder: Path, slots: int) -> PreparedPicture:
-        """Reads the scene on a worker; what stands in it is grown with the first part."""
-        parts = self.parts(slots, None)
-        if parts.name != self.name:
-            raise InputError(
-                f"the scene of {self.output} is another one on this worker than where the work began; "
-                "put its files on a file system that all of them see, or install the same version of barbule"
-            )
+        """Reads the scene on a worker, once for all rounds; what stands in it is grown with the first part."""
+        with _keeping:
+            parts = _kept.get(self.identity)
+            if parts is None:
+                parts = self.parts(slots, None)
+                if parts.name != self.name:
+                    raise InputError(
+                        f"the scene of {self.output} is another one on this worker than where the work began; "
+                        "put its files on a file system that all of them see, or install the same version of barbule"
+                    )
+                _kept.clear()
+                _kept[self.identity] = parts
         return PreparedPicture(parts, slots)
 
 
@@ -106,7 +117,13 @@ class PreparedPicture:
         self._parts.run(item, threads, watch)
 
     def close(self) -> None:
-        """The scene goes with the object."""
+        """The scene stands until `drop`."""
+
+
+def drop(identity: str) -> None:
+    """Gives back what a picture has taken of this process."""
+    with _keeping:
+        _kept.pop(identity, None)
 
 
 def render(
@@ -204,8 +221,14 @@ def render(
     def missing() -> list[int]:
         return [number for number in range(len(parts)) if not parts.is_there(number)]
 
-    fill(work, missing, cluster, unit_seconds=unit_seconds, place=str(path), **how)
-    _joined(work, parts, cluster, how).save(path)
+    try:
+        fill(work, missing, cluster, unit_seconds=unit_seconds, place=str(path), **how)
+        picture = _joined(work, parts, cluster, how)
+    finally:
+        # A cluster that is gone keeps nothing.
+        with suppress(Exception):
+            client.run(drop, work.identity, on_error="ignore")
+    picture.save(path)
     note(path, identity)
     parts.delete()
     return path
