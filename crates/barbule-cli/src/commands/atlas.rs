@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use barbule::atlas::{Atlas, Forecast, Plan, foretell, run};
 use barbule::error::counted;
-use barbule::figures::{AtlasColours, atlas_map, atlas_page};
+use barbule::figures::{AtlasColours, atlas_map, atlas_page, claim_atlas_page, write_atlas_page};
 use barbule::io::sweep::SweepStore;
-use barbule::io::{claim_output, is_inside_store, make_folder, write_whole};
 use barbule::math::simd::Width;
 use barbule::plot::Page;
 use barbule::progress::Shard;
@@ -68,7 +67,12 @@ impl Args {
             return self.report(&atlas, &progress, out);
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
-        self.claim_page(&atlas)?;
+        if let Some(folder) = &self.page {
+            claim_atlas_page(folder, &atlas)?;
+        }
+        if self.picture.is_some() {
+            AtlasColours::check(&atlas)?;
+        }
         let store = atlas.create(path)?;
         let mut document = self.compute(&atlas, &store, path, &progress)?;
         drop(progress);
@@ -127,28 +131,6 @@ impl Args {
         }))
     }
 
-    /// Says before any work what the page's folder will hold.
-    fn claim_page(&self, atlas: &Atlas) -> Result<()> {
-        let Some(folder) = &self.page else { return Ok(()) };
-        if folder.is_file() {
-            return Err(Error::input(format!("--page {}: is a file; give a folder", folder.display())));
-        }
-        let inside = [Some(folder.as_path()), folder.parent()].into_iter().flatten();
-        let is_store = |path: &Path| path.join("zarr.json").is_file() || is_inside_store(path);
-        if inside.filter(|path| !path.as_os_str().is_empty()).any(is_store) {
-            return Err(Error::input(format!(
-                "--page {}: lies inside a campaign store; give a name elsewhere",
-                folder.display()
-            )));
-        }
-        let files = ["index.html".to_owned(), "map.svg".to_owned()].into_iter();
-        let structures = (0..atlas.cells()).map(|cell| format!("structures/{cell:06}.toml"));
-        files.chain(structures).try_for_each(|name| {
-            let path = folder.join(name);
-            claim_output(&path, &path.display().to_string())
-        })
-    }
-
     /// Draws the map and makes the page, as asked.
     fn draw(&self, atlas: &Atlas, store: &SweepStore) -> Result<()> {
         let provenance = Provenance::new(&self.common);
@@ -160,11 +142,7 @@ impl Args {
         }
         let Some(folder) = &self.page else { return Ok(()) };
         let files = atlas_page(atlas, store, &provenance.notes())?;
-        make_folder(&folder.join("structures"))?;
-        // The page itself comes last, when all that it names is there.
-        for (name, bytes) in files.iter().rev() {
-            write_whole(&folder.join(name), bytes)?;
-        }
+        write_atlas_page(folder, &files)?;
         self.common
             .wrote(folder, &format!("index.html, map.svg and {}", counted(files.len() - 2, "structure")));
         Ok(())

@@ -108,6 +108,7 @@ fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     succeed(at, &["plan.toml", "-o", "s.zarr", "--page", "page", "--picture", "map.png"]);
     let page = bytes_of(&at.join("page"));
     assert_eq!(page.len(), 2 + 12);
+    succeed(at, &["plan.toml", "-o", "s.zarr", "--page", "page"]);
     let text = String::from_utf8(page["index.html"].clone()).unwrap();
     assert!(text.contains("12 of 12 structures") && text.contains("cortex (µm)"), "{text}");
     assert!(at.join("map.png").is_file());
@@ -133,6 +134,8 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         ("'400:700:20'", "'200:700:20'", "200 nm is outside 300 to 830 nm"),
         ("individuals = 3", "birds = ['starling']", "birds see from 300 nm"),
         ("individuals = 3", "angles_deg = [95]", "give angles between -90 and 90"),
+        ("individuals = 3", "angles_deg = '0:80:0.01'", "angles_deg has 8001 values, over 1000"),
+        ("name = 'films'", "name = ''", "name must be 1 to 120 letters"),
         ("barbule = 1", "", "barbule is missing"),
         ("unit_cells = 2", "unit_cels = 2", "did you mean 'unit_cells'?"),
     ] {
@@ -147,13 +150,22 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         assert!(!at.join("s.zarr").exists(), "{message}");
     }
     succeed(at, &["plan.toml", "-o", "s.zarr"]);
+    std::fs::create_dir(at.join("taken")).unwrap();
+    std::fs::write(at.join("taken/index.html"), "<!doctype html>mine").unwrap();
     std::fs::write(at.join("other.toml"), PLAN.replace("individuals = 3", "individuals = 4")).unwrap();
     let message = String::from_utf8_lossy(&run(at, &["other.toml", "-o", "s.zarr"]).stderr).into_owned();
     assert!(message.contains("made by another plan (sweep.plan.individuals: 3 there, 4 here)"), "{message}");
+    std::fs::write(at.join("uv.toml"), PLAN.replace("'400:700:20'", "'300:380:20'")).unwrap();
     for (words, part) in [
-        (&["plan.toml", "-o", "s.zarr/inner.zarr"][..], "inside a campaign store"),
+        (&["uv.toml", "-o", "t.zarr", "--page", "uv"][..], "the atlas has no colours"),
+        (&["uv.toml", "-o", "t.zarr", "--picture", "uv.png"], "the atlas has no colours"),
+        (&["plan.toml", "-o", "s.zarr/inner.zarr"], "inside a campaign store"),
         (&["plan.toml", "-o", "s.zarr", "--page", "s.zarr"], "--page s.zarr: lies inside a campaign store"),
         (&["plan.toml", "-o", "s.zarr", "--page", "plan.toml"], "is a file; give a folder"),
+        (
+            &["plan.toml", "-o", "s.zarr", "--page", "taken"],
+            "that is not the page of an atlas; give another folder",
+        ),
         (&["plan.toml", "-o", "s.zarr", "--picture", "map.txt"], "figures are written as .svg, .pdf or .png"),
         (&["plan.toml"], "--output"),
         (&["plan.toml", "-o", "t.zarr", "--shard", "4/4"], "write i/n with 0 <= i < n"),

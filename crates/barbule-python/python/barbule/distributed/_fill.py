@@ -55,7 +55,7 @@ def fill(
         if together == 1 and measured < 2 and len(items) > cluster.slots:
             tasks = [range(item, item + 1) for item in items[: cluster.slots]]
         else:
-            tasks = _runs(items, together)
+            tasks = runs(items, together)
         is_trial = len(tasks) == cluster.slots < len(items) and together == 1 and measured < 2
         begun = time.monotonic()
         compute(work, tasks, cluster, memory_bytes=memory_bytes, threads=threads, retries=retries, progress=progress)
@@ -68,12 +68,12 @@ def fill(
             raise MachineError(f"{place}: nothing has come; look whether all workers see the same files")
 
 
-def _runs(items: Sequence[int], together: int) -> list[range]:
+def runs(items: Sequence[int], together: int) -> list[range]:
     """Runs of neighbours, none longer than `together`."""
-    runs: list[range] = []
+    found: list[range] = []
     for item in items:
-        if runs and runs[-1].stop == item and len(runs[-1]) < together:
-            runs[-1] = range(runs[-1].start, item + 1)
+        if found and found[-1].stop == item and len(found[-1]) < together:
+            found[-1] = range(found[-1].start, item + 1)
         else:
-            runs.append(range(item, item + 1))
-    return runs
+            found.append(range(item, item + 1))
+    return found

@@ -15,10 +15,10 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde_json::Value;
 
-use self::layout::MATERIALS;
+use self::layout::{GROUP, MATERIALS};
 pub use self::layout::{MOST_CELLS, SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
 use super::output::{behind_links, is_inside_store};
-use super::store::{Files, Status, create_folder, sweep_beside};
+use super::store::{ATLAS, Files, Status, create_folder, sweep_beside};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::Sharded;
 use crate::{Error, Result};
@@ -105,7 +105,7 @@ impl SweepStore {
         if !path.exists() {
             return Err(refuse("no such store"));
         }
-        let metadata = path.join("zarr.json");
+        let metadata = path.join(GROUP);
         if !metadata.is_file() {
             return Err(refuse("is not the store of an atlas (no zarr.json in it)"));
         }
@@ -117,6 +117,15 @@ impl SweepStore {
         Ok(Self { path: path.to_owned(), files: Files::new(path), layout, arrays, digest, hash })
     }
 
+    /// The SIMD instructions that the store `path` is computed with; `None` where there is none that can be read.
+    #[must_use]
+    pub fn width_of(path: &Path) -> Option<String> {
+        let group: Value = serde_json::from_str(&read_text(&path.join(GROUP)).ok()?).ok()?;
+        let attributes = &group["attributes"];
+        let width = attributes["simd"].as_str().filter(|_| attributes["barbule_store"] == ATLAS);
+        width.map(str::to_owned)
+    }
+
     /// What it is made of.
     #[must_use]
     pub fn layout(&self) -> &SweepLayout {
@@ -124,15 +133,16 @@ impl SweepStore {
     }
 
     /// Makes ready for writing: deletes what writers left that are no more, tries whether files can be written, and restores
-    /// coordinates that somebody changed or lost.
+    /// coordinates and metadata of arrays that somebody changed or lost.
     ///
     /// # Errors
     /// The store is not writable, or the disk is full.
     pub fn prepare_writing(&self) -> Result<()> {
         self.files.sweep();
+        // The group's own metadata were held against the plan; whoever wrote them anew may have laid them out otherwise.
+        let own = self.layout.own_files().into_iter().filter(|(key, _)| key != GROUP);
         let restored = || {
-            self.layout.coordinates().into_iter().try_for_each(|(array, bytes)| {
-                let key = array.path(&[]);
+            own.into_iter().try_for_each(|(key, bytes)| {
                 let is_there = self.files.read(&key, bytes.len()).is_some_and(|there| there == bytes);
                 if is_there { Ok(()) } else { self.files.write(&key, &bytes) }
             })
