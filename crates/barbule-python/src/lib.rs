@@ -18,6 +18,7 @@ mod make;
 mod material;
 mod measured;
 mod opening;
+mod parts;
 mod program;
 mod scene;
 mod spectrum;
@@ -55,6 +56,8 @@ mod _native {
     use super::measured::{compare, intervals, measured};
     #[pymodule_export]
     use super::opening::{open, species};
+    #[pymodule_export]
+    use super::parts::Parts;
     #[pymodule_export]
     use super::program::{run, version};
     #[pymodule_export]

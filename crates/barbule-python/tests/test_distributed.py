@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import barbule
-from barbule.distributed import _engine, _work
+from barbule.distributed import _engine, _picture, _work
 
 distributed = pytest.importorskip("distributed")
 
@@ -292,6 +292,58 @@ def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     assert [path.stat().st_mtime_ns == before for path, before in zip(again, times)] == [True, False, True]
     other = barbule.distributed.render_frames(frames[:1], tmp_path / "F.png", **(arguments | {"seed": 2}))
     assert other[0].stat().st_mtime_ns != times[0]
+
+
+class KillerOfPictures(Killer):
+    """Kills all workers when the first part has come, with what they had at work."""
+
+    def __call__(self, label, done, total):
+        super().__call__("simulating" if label == "tiles" else label, done, total + 1)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
+    # Exposed by what the whole picture shows.
+    scene = barbule.Scene.parse('preset = "starling"\nexposure = "auto"\n')
+    how = {"size": (90, 60), "samples": 8, "spectral_nm": [500, 600], "compositing": True}
+    arguments = {"client": client, "memory_bytes": 1 << 29, **how}
+    scene.render(**how, progress=False).save(tmp_path / "one.exr")
+    killer = KillerOfPictures(client, 1)
+    made = barbule.distributed.render(scene, tmp_path / "F.exr", tiles=1, unit_seconds=0.01, progress=killer, **arguments)
+    assert killer.times == 0 and made == tmp_path / "F.exr"
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    # The parts are gone, and the picture is not rendered again.
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".F.exr.json", "F.exr", "one.exr"]
+    time_ = made.stat().st_mtime_ns
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.stat().st_mtime_ns == time_
+    # What is damaged is rendered again, in parts that are there already.
+    made.write_bytes(b"half")
+    for number, bytes_ in [(0, b""), (2, b"BARBFILM and more")]:
+        (tmp_path / f"F.exr.part-{number}-of-3").write_bytes(bytes_)
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_pictures_that_cannot_be_made_are_refused_before_any_work(client, tmp_path):
+    for arguments, sentence in [
+        ({"output": tmp_path / "no" / "F.png"}, "in a folder that is there"),
+        ({"tiles": 0}, "'tiles' is 0; give a number from 1 to 2"),
+        ({"noise": 2.0}, "'noise' is 2"),
+        ({"scene": "starlign"}, "did you mean 'starling'"),
+        ({"denoise": tmp_path / "none.so"}, "none.so"),
+    ]:
+        whole = {"scene": "starling", "output": tmp_path / "F.png", "size": (40, 20), "client": client, "progress": False}
+        with pytest.raises(barbule.InputError, match=sentence):
+            barbule.distributed.render(**(whole | arguments))
+    work = _picture.PictureWork(
+        scene=("starling", None), output=str(tmp_path / "F.png"), media=(), cache=None, size=(40, 20), samples=1, noise=None, quality=None,
+        seed=1, spectral_nm=(), compositing=False, tone=None, white_balance=None, tiles=None, name="another",
+    )
+    with pytest.raises(barbule.InputError, match="is another one on this worker"):
+        work.prepare(tmp_path, 1)
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):

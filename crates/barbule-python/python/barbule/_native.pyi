@@ -434,6 +434,40 @@ class Scene:
         progress: _Watch,
     ) -> Picture: ...
 
+@final
+class Parts:
+    """A picture in parts of its tiles, each a file beside it."""
+
+    def __new__(
+        cls,
+        scene: Scene,
+        output: Path,
+        size: Sequence[int],
+        samples: int | None,
+        noise: float | None,
+        quality: str | None,
+        seed: int,
+        spectral_nm: Sequence[float],
+        compositing: bool,
+        denoise: bool,
+        library: Path | None,
+        tone: str | None,
+        white_balance: str | None,
+        tiles: int | None,
+        media: _Media,
+        cache: Path | None,
+        threads: int | None,
+        progress: _Watch,
+    ) -> Parts: ...
+    @property
+    def name(self) -> str: ...
+    def is_there(self, number: int) -> bool: ...
+    def prepare(self, threads: int | None, progress: _Watch) -> None: ...
+    def run(self, number: int, threads: int | None = 1, progress: _Watch = None) -> bool: ...
+    def join(self, threads: int | None, progress: _Watch) -> tuple[Picture | None, list[int]]: ...
+    def delete(self) -> None: ...
+    def __len__(self) -> int: ...
+
 def export(
     what: Material | Scene | str,
     to: str,

@@ -14,5 +14,6 @@ from ._atlas import atlas
 from ._calls import crystal, far_fields, spectrum
 from ._campaign import characterize, simulate
 from ._frames import render_frames
+from ._picture import render
 
-__all__ = ["atlas", "characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum"]
+__all__ = ["atlas", "characterize", "crystal", "far_fields", "render", "render_frames", "simulate", "spectrum"]
