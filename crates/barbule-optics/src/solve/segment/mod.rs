@@ -43,8 +43,8 @@ pub struct SegmentLight {
     pub turn: f64,
 }
 
-/// How finely a segment is sampled.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How finely a segment is sampled, and with which instructions it is computed.
+#[derive(Debug, Clone, Copy)]
 pub struct SegmentAccuracy {
     /// Largest cells along x and y in wavelengths.
     pub cells: [f64; 2],
@@ -54,13 +54,15 @@ pub struct SegmentAccuracy {
     pub interpolation: f64,
     /// Bytes of transformed currents that are held at a time; what is over it is computed again in further passes.
     pub held_bytes: usize,
+    /// SIMD instructions, on which only roundings depend.
+    pub width: Width,
 }
 
 impl Default for SegmentAccuracy {
     /// At 400 nm, intensities within 1.3e-2 (relative L2) of those of cells half as long, energies within 4e-3; of crystals within
     /// 7e-5 and 1e-5.
     fn default() -> Self {
-        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30 }
+        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30, width: Width::best() }
     }
 }
 
@@ -208,7 +210,7 @@ pub fn far_field(
     let grid = grid(segment, light, accuracy)?;
     let sampled = segment.sampled(grid, accuracy.parts)?;
     let incidence = Incidence::new(light);
-    let reflector = Reflector::new(segment, &sampled, light, &incidence, progress)?;
+    let reflector = Reflector::new(segment, &sampled, light, &incidence, accuracy.width, progress)?;
     radiate::radiate(&sampled, &reflector, &incidence, light, accuracy, progress)
 }
 
@@ -248,10 +250,11 @@ impl<'a> Reflector<'a> {
         sampled: &'a Sampled<'a>,
         light: &SegmentLight,
         incidence: &Incidence,
+        width: Width,
         progress: &dyn Progress,
     ) -> Result<Self> {
         Ok(match &segment.section.crystal {
-            None => Self::Layers(layered::Stacks::new(sampled, light.wavelength_nm, Width::best())?),
+            None => Self::Layers(layered::Stacks::new(sampled, light.wavelength_nm, width)?),
             Some(layer) => Self::Crystal(crystal::Crystal::new(
                 segment,
                 layer,

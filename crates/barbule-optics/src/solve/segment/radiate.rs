@@ -182,7 +182,7 @@ pub(super) fn radiate(
                     plan: &plan,
                     places: &places,
                     turn: light.turn,
-                    width: Width::best(),
+                    width: accuracy.width,
                     held,
                     count,
                     index,

@@ -1,4 +1,4 @@
-"""Campaigns, sweeps and pictures on a cluster of Dask.
+"""Campaigns, sweeps, comparisons and pictures on a cluster of Dask.
 
 Each function is that of `barbule` with a `client`, and a place for results that all workers see: a folder of a shared file system or, for stores,
 a URL such as ``s3://bucket/S.zarr``. Work is cut into tasks of a few seconds that run inside the workers' processes, one thread
@@ -13,5 +13,6 @@ from __future__ import annotations
 from ._calls import crystal, far_fields, spectrum
 from ._campaign import characterize, simulate
 from ._frames import render_frames
+from ._validate import validate
 
-__all__ = ["characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum"]
+__all__ = ["characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum", "validate"]
