@@ -189,6 +189,11 @@ impl Campaign {
         Material::of(py, found, Choices::default())
     }
 
+    /// Ends what others see of this process in the store, which its first portion began.
+    fn leave(&self, py: Python<'_>) {
+        py.detach(|| self.portions.leave());
+    }
+
     /// Removes what writing needed, unless other processes still write.
     fn end(&self, py: Python<'_>) {
         py.detach(|| self.portions.store().end_writing());

@@ -10,6 +10,7 @@ use barbule::characterize::{
 };
 use barbule::io::available_memory;
 use barbule::io::store::Store;
+use barbule::progress::Shard;
 use barbule::{Error, Result};
 use pyo3::prelude::*;
 
@@ -89,11 +90,21 @@ pub(crate) fn simulate(
         if number >= of {
             return Err(Error::input(format!("'shard' is ({number}, {of}); give (i, n) with i below n")));
         }
+        let shard = Shard::new(number, of)?;
         let store = plan.store(&path, &keep_fields_nm, &resources)?;
+        let units = store.axes().shard(number, of);
+        if units.iter().all(|unit| store.is_whole(unit.wavelength, unit.theta)) {
+            // Nothing is prepared for nothing.
+            if !store.damaged_coordinates().is_empty() {
+                store.prepare_writing()?;
+            }
+            store.end_writing();
+            return Ok((0, units.len()));
+        }
         store.prepare_writing()?;
+        let _announced = store.announce(shard);
         let campaign = plan.campaign(&resources, &catalog, progress)?;
-        let outcome = run(&campaign, &store.axes().shard(number, of), &store, progress)?;
-        store.end_writing();
+        let outcome = run(&campaign, &units, &store, progress)?;
         Ok((outcome.computed, outcome.found))
     })
 }

@@ -2,7 +2,9 @@
 
 import dataclasses
 import hashlib
+import json
 import os
+import random
 import signal
 import socket
 import subprocess
@@ -21,10 +23,10 @@ from barbule.distributed import _engine, _work
 distributed = pytest.importorskip("distributed")
 
 BIRD = "starling:pink"
-#: Six wavelengths and two inclinations: a second of work.
-SMALL = {"thin": 10, "instances": 24}
-#: So short that there are several tasks.
-SHORT = 0.1
+#: A hundred units, of few individuals: a second of work.
+SMALL = {"wavelengths_nm": [450.0, 500.0, 550.0, 600.0, 650.0], "directions": (20, 2), "instances": 6}
+#: So short that there are dozens of tasks.
+SHORT = 0.01
 
 
 @pytest.fixture(scope="module")
@@ -50,27 +52,43 @@ def files(folder):
     return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in found}
 
 
-class Killer:
-    """Progress that kills all workers whenever a task has ended, so often: what they had at work is lost with them."""
+def kill(client, which=slice(None)):
+    """Kills workers; what they had at work is lost with them."""
+    for pid in sorted(client.run(os.getpid, on_error="ignore").values())[which]:
+        os.kill(pid, signal.SIGKILL)
 
-    def __init__(self, client, times, label="simulating"):
-        self.client, self.times, self.label = client, times, label
+
+class Killer:
+    """Progress that kills all workers when a task has ended, once."""
+
+    def __init__(self, client, label="simulating"):
+        self.client, self.label, self.has_killed = client, label, False
 
     def __call__(self, label, done, total):
-        if label == self.label and self.times and done < total:
-            self.times -= 1
-            for pid in self.client.run(os.getpid, on_error="ignore").values():
-                os.kill(pid, signal.SIGKILL)
+        if label == self.label and not self.has_killed and done < total:
+            self.has_killed = True
+            kill(self.client)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
-    store = tmp_path / "s.zarr"
-    killer = Killer(client, 2)
-    material = barbule.distributed.characterize(
-        BIRD, client=client, store=store, **SMALL, unit_seconds=SHORT, progress=killer
-    )
-    assert killer.times == 0
+    store, killed = tmp_path / "s.zarr", []
+
+    def kill_one_then_all():
+        for which in (slice(1), slice(None)):
+            while len(list(store.glob("digest/c.*"))) <= 30 * (len(killed) + 1):
+                time.sleep(0.005)
+            # Somewhere in its next units.
+            time.sleep(random.uniform(0.0, 0.1))
+            kill(client, which)
+            killed.append(which)
+
+    killer = threading.Thread(target=kill_one_then_all, daemon=True)
+    killer.start()
+    material = barbule.distributed.characterize(BIRD, client=client, store=store, **SMALL, unit_seconds=SHORT, progress=False)
+    killer.join(timeout=5)
+    assert len(killed) == 2
+    assert len(list(store.glob("digest/c.*"))) >= 100
     assert files(store) == files(alone[0])
     assert material.hash == alone[1].hash
     # Again there is nothing to do.
@@ -175,8 +193,8 @@ def bucket(monkeypatch):
 def test_object_stores_hold_the_same_objects(client, alone, bucket, tmp_path):
     url, options, remote = bucket
     arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **SMALL, "unit_seconds": SHORT}
-    material = barbule.distributed.characterize(BIRD, **arguments, progress=Killer(client, 1))
-    assert material.hash == alone[1].hash
+    material = barbule.distributed.characterize(BIRD, **arguments, progress=(killer := Killer(client)))
+    assert killer.has_killed and material.hash == alone[1].hash
     remote.get("feathers/s.zarr", str(tmp_path / "copy"), recursive=True)
     assert files(tmp_path / "copy") == files(alone[0])
     xarray = pytest.importorskip("xarray")
@@ -247,16 +265,17 @@ COMPARISONS = {
 def test_comparisons_are_those_of_one_process(client, tmp_path, against):
     options = COMPARISONS[against]
     one = barbule.validate(FILM, tmp_path / "one", against, **options, progress=False)
-    killer = Killer(client, 1, {"full-wave": "full waves", "three-d": "segments"}[against])
+    killer = Killer(client, {"full-wave": "full waves", "three-d": "segments"}[against])
     arguments = {"client": client, "unit_seconds": 1e-6, **options}
     several = barbule.distributed.validate(FILM, tmp_path / "several", against, **arguments, progress=killer)
-    assert killer.times == 0
+    assert killer.has_killed
     assert timeless(several) == timeless(one)
     names = [{path.name for path in (tmp_path / name).rglob("*")} for name in ("one", "several")]
     assert names[0] == names[1] and {"units", "numbers.json"} < names[0]
     # Nothing is left to do, here or there.
     again = barbule.distributed.validate(FILM, tmp_path / "one", against, **arguments, progress=False)
-    assert again["incidences" if against == "full-wave" else "directions"] == one["incidences" if against == "full-wave" else "directions"]
+    key = {"full-wave": "incidences", "three-d": "directions"}[against]
+    assert again[key] == one[key]
 
 
 def test_what_cannot_be_compared_is_refused(client, tmp_path):
@@ -318,6 +337,87 @@ def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):
     poor = dataclasses.replace(_engine.asked(client), memory_bytes=1e6)
     with pytest.raises(barbule.InputError, match="a worker has 1 MB"):
         _engine.compute(None, [range(1)], poor, memory_bytes=2e6)
+
+
+@dataclasses.dataclass(frozen=True)
+class Failing:
+    """Work whose tasks fail some times, each leaving a file for each attempt."""
+
+    folder: Path
+    #: By item: how often it fails, and with what.
+    failures: tuple
+
+    label = "failing"
+    identity = "failing"
+
+    def prepare(self, folder, slots):
+        return self
+
+    def run(self, item, threads, watch):
+        attempts = len(list(self.folder.glob(f"{item}-*")))
+        (self.folder / f"{item}-{attempts}").write_text("")
+        times, error = self.failures[item]
+        if attempts < times:
+            raise error
+
+    def close(self):
+        pass
+
+
+def test_failed_tasks_are_tried_again_and_what_is_wrong_is_raised_at_once(client, tmp_path):
+    def attempts(name, failures, **how):
+        folder = tmp_path / name
+        folder.mkdir()
+        tasks = [range(item, item + 1) for item in range(len(failures))]
+        work = Failing(folder, tuple(failures))
+        try:
+            _engine.compute(work, tasks, _engine.asked(client), memory_bytes=1, progress=False, **how)
+        finally:
+            there = [path.name.split("-")[0] for path in folder.iterdir()]
+            counts.append([there.count(str(item)) for item in range(len(failures))])
+
+    counts = []
+    attempts("again", [(0, None), (2, OSError("the disk is away")), (1, MemoryError())])
+    assert counts.pop() == [1, 3, 2]
+    with pytest.raises(barbule.MachineError, match="a task failed 2 times.*the disk is away"):
+        attempts("often", [(9, OSError("the disk is away"))], retries=1)
+    assert counts.pop() == [2]
+    with pytest.raises(barbule.InputError, match="^no such bird$"):
+        attempts("wrong", [(9, barbule.InputError("no such bird"))])
+    assert counts.pop() == [1]
+
+
+def test_workers_without_the_memory_are_refused_before_any_work(tmp_path):
+    with (
+        distributed.LocalCluster(n_workers=1, processes=False, dashboard_address=None, resources={"barbule-memory": 2e6}) as small,
+        distributed.Client(small) as client,
+    ):
+        assert _engine.asked(client).declare_memory
+        store = tmp_path / "s.zarr"
+        with pytest.raises(barbule.InputError, match="of memory, and a worker has 2 MB; give fewer instances, or larger workers"):
+            barbule.distributed.simulate(BIRD, store, client=client, **SMALL, progress=False)
+        assert not list(store.glob("digest/c.*"))
+        # What is as large as the worker is sent, to one slot at a time.
+        _engine.compute(Failing(tmp_path, ((0, None),)), [range(1)], _engine.asked(client), memory_bytes=2e6, progress=False)
+
+
+def test_the_status_of_a_store_names_the_workers_that_fill_it(client, tmp_path):
+    seen = []
+
+    def look(label, done, total):
+        if label == "simulating" and 0 < done < total and not seen:
+            command = [sys.executable, "-m", "barbule", "simulate", str(store), "--status", "--json"]
+            seen.extend(json.loads(subprocess.run(command, capture_output=True, check=True).stdout)["running"])
+
+    store = tmp_path / "many.zarr"
+    barbule.distributed.simulate(BIRD, store, client=client, **SMALL, unit_seconds=SHORT, progress=look)
+    workers = set(client.run(os.getpid).values())
+    assert seen and {run["process"] for run in seen} <= workers
+    seen.clear()
+    store = tmp_path / "one.zarr"
+    barbule.simulate(BIRD, store, **SMALL, shard=(1, 2), progress=look, threads=1)
+    assert [(run["process"], run["shard"], run["shards"]) for run in seen] == [(os.getpid(), 1, 2)]
+    assert not list(tmp_path.glob("*/.aside"))
 
 
 def test_workers_begin_no_more_than_fits_their_memory():

@@ -16,7 +16,7 @@ use crate::campaign::{Allowance, Campaign, Demand, Keep, Outcome, Resources, Res
 use crate::io::Units;
 use crate::io::store::Store;
 use crate::math::simd::Width;
-use crate::progress::Progress;
+use crate::progress::{Progress, Shard};
 use crate::scattering::statistics::Unit;
 use crate::solve::cost::PROGRAM;
 use crate::{Error, Result};
@@ -235,6 +235,12 @@ impl Portions {
         self.prepared(progress).map(|_| ())
     }
 
+    /// Ends the announcement that this process computes; until then, or until this is dropped, others see it in the store from the first
+    /// portion on, as of one that may compute any unit.
+    pub fn leave(&self) {
+        self.store.leave();
+    }
+
     /// The instances, which are prepared if they are not yet.
     fn prepared(&self, progress: &dyn Progress) -> Result<Arc<Campaign>> {
         loop {
@@ -256,10 +262,18 @@ impl Portions {
             let Plan { structure, parameters, .. } = &self.plan;
             Demand::units_allowed(structure, parameters, self.keep, Results::Stored, self.allowed)?;
             let resources = Resources { width: self.width, units_at_once: 1 };
-            let campaign = Arc::new(self.plan.campaign(&resources, &self.catalog, progress)?);
+            self.store.enter(Shard::WHOLE);
+            let campaign = self.plan.campaign(&resources, &self.catalog, progress);
+            let campaign = Arc::new(campaign.inspect_err(|_| self.store.leave())?);
             *prepared = Some(campaign.clone());
             return Ok(campaign);
         }
+    }
+}
+
+impl Drop for Portions {
+    fn drop(&mut self) {
+        self.leave();
     }
 }
 
@@ -377,6 +391,32 @@ mod tests {
         assert_eq!(written.last().map(String::as_str), Some("zarr.json"));
         written.sort();
         assert_eq!(written, named);
+    }
+
+    #[test]
+    fn workers_are_seen_in_the_store_while_they_compute() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("s.zarr");
+        let workers = [(); 2].map(|()| portions(&path, 0.01).unwrap());
+        let runs = || Store::open(&path).unwrap().survey().runs().to_vec();
+        assert_eq!(runs(), []);
+        for worker in &workers {
+            worker.prepare(&Unobserved).unwrap();
+            worker.run(0, &Unobserved).unwrap();
+        }
+        let seen = runs();
+        assert_eq!(seen.len(), 2);
+        for run in seen {
+            assert!(run.is_alive && run.process == std::process::id() && run.shard == Shard::WHOLE);
+        }
+        workers[0].leave();
+        assert_eq!(runs().len(), 1);
+        // What is prepared stays so, and is not announced again.
+        workers[0].run(1, &Unobserved).unwrap();
+        assert_eq!(runs().len(), 1);
+        drop(workers);
+        assert_eq!(runs(), []);
+        assert!(!path.join(".aside").exists());
     }
 
     #[test]

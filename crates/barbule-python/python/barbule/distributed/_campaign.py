@@ -142,7 +142,8 @@ class PreparedCampaign:
         self._campaign.run(item, threads, watch)
 
     def close(self) -> None:
-        """The instances go with the object."""
+        """Is seen in the store no more; the instances go with the object."""
+        self._campaign.leave()
 
 
 def simulate(

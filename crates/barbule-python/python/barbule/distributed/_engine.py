@@ -17,6 +17,9 @@ from ._work import Work
 #: What a task takes at least, s, on one thread: so that Dask's own 3 to 10 ms are less than a percent.
 UNIT_SECONDS = 4.0
 
+#: How often workers may die while they are told of the work, before the call gives up.
+MOST_REGISTRATIONS = 10
+
 
 @dataclass(frozen=True)
 class Cluster:
@@ -48,7 +51,9 @@ def asked(client: Any, simd: str | None = None) -> Cluster:
     checked_client(client)
     from . import _worker
 
-    found = client.run(_worker.about_here, on_error="return")
+    answers = client.run(_worker.about_here, on_error="return")
+    # Workers that die meanwhile are none.
+    found = {address: about for address, about in answers.items() if not isinstance(about, OSError)}
     if not found:
         raise InputError("the cluster has no workers yet; scale it, and give client.wait_for_workers(1)")
     for address, about in found.items():
@@ -101,27 +106,41 @@ def compute(
         raise InputError(f"'threads' is {threads} and 'retries' {retries}; give at least 1 and 0")
     if not tasks:
         return
-    from ._worker import Preparation, stop
+    from ._worker import Preparation, forget
 
     client = cluster.client
     name = f"barbule-{work.identity}-{uuid.uuid4().hex[:8]}"
-    client.register_plugin(Preparation(name, work), name=name)
+    total = sum(len(task) for task in tasks)
     sent = _Sent(cluster, name, tasks, memory_bytes, threads, retries)
     try:
+        _register(client, Preparation(name, work), name)
         with watched(progress) as watch:
             for done in sent.finished():
                 if watch is not None:
-                    watch(work.label, done, sum(len(task) for task in tasks))
+                    watch(work.label, done, total)
     except BaseException:
         # A cluster that is gone needs no word of it.
         with suppress(Exception):
             sent.cancel()
-            # Futures are dropped at once, native calls as they next look.
-            client.run(stop, name, on_error="ignore")
         raise
     finally:
+        # Native calls end as they next look, where there are any. A worker that dies here keeps none of the others from hearing of it.
+        with suppress(Exception):
+            client.run(forget, name, on_error="ignore")
         with suppress(Exception):
             client.unregister_worker_plugin(name)
+
+
+def _register(client: Any, plugin: Any, name: str) -> None:
+    """Hands the work to all workers, those that come later among them."""
+    for _ in range(MOST_REGISTRATIONS - 1):
+        try:
+            client.register_plugin(plugin, name=name)
+            return
+        except OSError:
+            # A worker died meanwhile, and others may not have heard of it.
+            continue
+    client.register_plugin(plugin, name=name)
 
 
 class _Sent:
@@ -137,7 +156,8 @@ class _Sent:
         self._declare = cluster.declare_memory
         self._threads = threads
         self._retries = retries
-        self._attempts = [0] * len(tasks)
+        self._sendings = [0] * len(tasks)
+        self._failures = [0] * len(tasks)
         self._pending: dict[Any, int] = {}
 
     def finished(self) -> Iterator[int]:
@@ -181,13 +201,14 @@ class _Sent:
             task.stop,
             self._threads,
             self._memory_bytes,
-            key=f"{self._name}-{number}-{self._attempts[number]}",
+            key=f"{self._name}-{number}-{self._sendings[number]}",
             # Workers share out their memory anyway; so declared, the scheduler sends them no more than they can hold.
             resources={MEMORY: self._memory_bytes} if self._declare else None,
             # The first are sent first: neighbours share tables.
             priority=-number,
             pure=False,
         )
+        self._sendings[number] += 1
         self._pending[future] = number
         return future
 
@@ -195,14 +216,19 @@ class _Sent:
         """Lets a task be tried again, or raises."""
         if status == "cancelled":
             raise MachineError("the cluster dropped a task; call the same function again to go on")
+        from ._worker import Stopped
+
         error = future.exception()
+        if isinstance(error, Stopped):
+            # Nobody stopped it here: its worker has ended in good order, as with its job's time.
+            return
         if isinstance(error, (InputError, NotSettledError)):
             raise error
-        self._attempts[number] += 1
-        if self._attempts[number] <= self._retries:
+        self._failures[number] += 1
+        if self._failures[number] <= self._retries:
             return
         if isinstance(error, BarbuleError):
             raise error
         raise MachineError(
-            f"a task failed {self._attempts[number]} times ({error}); look into the workers' logs, and call the same function again to go on"
+            f"a task failed {self._failures[number]} times ({error}); look into the workers' logs, and call the same function again to go on"
         ) from error

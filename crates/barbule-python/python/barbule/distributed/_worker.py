@@ -28,7 +28,7 @@ _stopping: set[str] = set()
 
 
 class Stopped(Exception):
-    """The client does not want the work any more."""
+    """The client does not want the work any more, or the worker ends."""
 
 
 def about_here(dask_worker: Any) -> dict[str, Any]:
@@ -45,6 +45,13 @@ def about_here(dask_worker: Any) -> dict[str, Any]:
 def stop(name: str) -> None:
     """Stops the native calls of some work in this process."""
     _stopping.add(name)
+
+
+def forget(name: str, dask_worker: Any) -> None:
+    """Stops some work in this process, and gives back what it has taken."""
+    plugin = dask_worker.plugins.get(name)
+    if isinstance(plugin, Preparation):
+        plugin.teardown(dask_worker)
 
 
 def _memory_bytes(worker: Any) -> float:
@@ -88,6 +95,8 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
 
     def setup(self, worker: Any) -> None:
         """Nothing that takes long: the worker's other threads wait meanwhile."""
+        # Where it is set up again, it was torn down before.
+        _stopping.discard(self.name)
         self._lock = threading.Lock()
         self._slots = worker.state.nthreads
         self._prepared: Prepared | None = None
@@ -96,13 +105,16 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
     def teardown(self, worker: Any) -> None:
         """Stops what still runs, and forgets."""
         stop(self.name)
-        if self._prepared is not None:
-            self._prepared.close()
+        prepared, self._prepared = self._prepared, None
+        if prepared is not None:
+            prepared.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def prepared(self) -> Prepared:
         """The work, opened."""
         with self._lock:
+            if self.name in _stopping:
+                raise Stopped(f"{self.name} was stopped")
             if self._prepared is None:
                 self._prepared = self._work.prepare(self._folder, self._slots)
             return self._prepared

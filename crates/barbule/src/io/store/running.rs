@@ -50,8 +50,7 @@ pub struct Announced<'a>(&'a Store);
 
 impl Drop for Announced<'_> {
     fn drop(&mut self) {
-        drop(self.0.own().take());
-        self.0.files.tidy();
+        self.0.leave();
     }
 }
 
@@ -60,9 +59,24 @@ impl Store {
     /// Where this cannot be written, nobody sees it, and the work is the same.
     #[must_use = "what is announced ends with it"]
     pub fn announce(&self, shard: Shard) -> Announced<'_> {
+        self.enter(shard);
+        Announced(self)
+    }
+
+    /// As [`Self::announce`], until [`Self::leave`] or the end of this value.
+    pub(crate) fn enter(&self, shard: Shard) {
         let now = clock::now();
         *self.own() = self.files.announce(&name_of(shard, now)).ok().map(|file| Own { file, touched: now });
-        Announced(self)
+    }
+
+    /// Ends what [`Self::enter`] began.
+    pub(crate) fn leave(&self) {
+        // Not while it is locked.
+        let own = self.own().take();
+        if own.is_some() {
+            drop(own);
+            self.files.tidy();
+        }
     }
 
     fn own(&self) -> MutexGuard<'_, Option<Own>> {

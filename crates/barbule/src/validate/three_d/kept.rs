@@ -286,6 +286,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let units = Units::new(folder.path());
         let plan = small(3, Width::best());
+        // The BRDF contains it.
+        assert_eq!(plan.tilt, crate::characterize::CampaignOptions::default().tilt_deg.to_radians());
         let stopped = plan.run(Some(&units), &StopsAfter(5, AtomicU64::new(0)));
         assert!(stopped.unwrap_err().is_interrupted());
         // One wavelength whole, and two of three segments of the other.
