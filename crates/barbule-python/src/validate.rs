@@ -94,11 +94,8 @@ impl Comparison {
     /// What each unit takes on so many threads, foretold: seconds, and bytes of the whole process.
     fn costs(&self, py: Python<'_>, threads: usize) -> PyResult<Vec<(f64, u64)>> {
         How::default().run(py, |_| {
-            let one = |unit| {
-                let cost = self.plan.cost(unit, threads)?;
-                Ok((cost.seconds.unwrap_or_default(), PROGRAM + cost.bytes))
-            };
-            (0..self.plan.units()).map(one).collect::<Result<_>>()
+            let each = self.plan.costs(threads)?.into_iter();
+            Ok(each.map(|cost| (cost.seconds.unwrap_or_default(), PROGRAM + cost.bytes)).collect())
         })
     }
 
@@ -133,10 +130,7 @@ impl Comparison {
             None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
         };
         How::new(threads, None).run(py, |_| {
-            let bytes = (0..self.plan.units())
-                .map(|unit| Ok(self.plan.cost(unit, rayon::current_num_threads())?.bytes))
-                .collect::<Result<Vec<_>>>()?;
-            let most = bytes.into_iter().max().unwrap_or_default();
+            let most = self.plan.total_cost(rayon::current_num_threads())?.bytes;
             allowed.check("this comparison", most, "a smaller width, fewer layers or longer wavelengths")
         })
     }

@@ -189,7 +189,7 @@ impl Args {
             }
         };
         let plan = options.plan(structure, material, self.simd.unwrap_or_default(), clock::system)?;
-        let cost = plan.largest_cost(rayon::current_num_threads())?;
+        let cost = plan.total_cost(rayon::current_num_threads())?;
         let fewer = "a smaller --length or longer --wavelengths";
         self.common.allowance().check("this comparison", cost.bytes, fewer)?;
         let [across, along] = plan.cells()?;

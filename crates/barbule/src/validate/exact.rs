@@ -123,9 +123,9 @@ impl Comparing for FullWaves {
         some.iter().copied().filter(is_missing).collect()
     }
 
-    fn cost(&self, unit: usize, threads: usize) -> Result<Cost> {
-        let (plan, wavelength) = self.place(unit);
-        plan.cost_at(plan.wavelengths.nm()[wavelength], threads)
+    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+        let each = self.plans.iter().map(|plan| plan.costs(threads));
+        Ok(each.collect::<Result<Vec<_>>>()?.concat())
     }
 
     fn keep(&self, unit: usize, kept: &Units, progress: &dyn Progress) -> Result<()> {

@@ -80,13 +80,9 @@ impl Plan {
     /// # Errors
     /// As [`Prepared::cost`](crate::solve::far_fields::Prepared::cost).
     pub fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
-        self.wavelengths.nm().iter().map(|&nm| self.cost_at(nm, threads)).collect()
-    }
-
-    /// What the full waves of one wavelength take.
-    fn cost_at(&self, wavelength_nm: f64, threads: usize) -> Result<Cost> {
         let exact = self.full.prepare(&self.closed.regions)?;
-        exact.cost(&self.light_of(wavelength_nm), self.circle(), threads)
+        let cost = |&nm: &f64| exact.cost(&self.light_of(nm), self.circle(), threads);
+        self.wavelengths.nm().iter().map(cost).collect()
     }
 
     /// Refuses angles from which the light does not come: a beam on a narrow section comes from many.
@@ -205,16 +201,6 @@ impl FullWaves {
     #[must_use]
     pub fn individuals(&self) -> &[Plan] {
         &self.plans
-    }
-
-    /// Memory at most, unknowns at most, and the time of all full waves on so many threads.
-    ///
-    /// # Errors
-    /// As [`Plan::costs`].
-    pub fn total_cost(&self, threads: usize) -> Result<Cost> {
-        self.plans
-            .iter()
-            .try_fold(Cost::default(), |all, plan| Ok(plan.costs(threads)?.into_iter().fold(all, Cost::then)))
     }
 
     /// Runs both of each individual, one after the other. Full waves of each wavelength are kept as they come and taken from there

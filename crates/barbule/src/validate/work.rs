@@ -28,11 +28,11 @@ pub trait Comparing: Send + Sync {
     /// Those of some units, which count from 0, that are not kept; reads them.
     fn missing(&self, some: &[usize], kept: &Units) -> Vec<usize>;
 
-    /// What a unit takes on so many threads, foretold: the seconds within about a half.
+    /// What each unit takes on so many threads, foretold.
     ///
     /// # Errors
     /// As the solvers, as far as that is known without their work.
-    fn cost(&self, unit: usize, threads: usize) -> Result<Cost>;
+    fn costs(&self, threads: usize) -> Result<Vec<Cost>>;
 
     /// Computes a unit and keeps it, unless it is there.
     ///
@@ -45,6 +45,14 @@ pub trait Comparing: Send + Sync {
     /// # Errors
     /// As [`Self::keep`].
     fn finish(&self, kept: Option<&Units>, progress: &dyn Progress) -> Result<Compared>;
+
+    /// What all of them take on so many threads, one after the other.
+    ///
+    /// # Errors
+    /// As [`Self::costs`].
+    fn total_cost(&self, threads: usize) -> Result<Cost> {
+        Ok(self.costs(threads)?.into_iter().fold(Cost::default(), Cost::then))
+    }
 
     /// How many units are kept.
     fn done(&self, kept: &Units) -> usize {
@@ -70,16 +78,16 @@ pub trait Comparing: Send + Sync {
     /// The units of a part, of about equal time: parts are the same wherever they are computed.
     ///
     /// # Errors
-    /// As [`Self::cost`].
+    /// As [`Self::costs`].
     fn part(&self, shard: Shard) -> Result<Vec<usize>> {
-        let costs = (0..self.units()).map(|unit| Ok(self.cost(unit, 1)?.seconds.unwrap_or_default()));
-        Ok(shard.by_cost(&costs.collect::<Result<Vec<_>>>()?))
+        let seconds = self.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default());
+        Ok(shard.by_cost(&seconds.collect::<Vec<_>>()))
     }
 
     /// How many units of a part are kept, and how many it has.
     ///
     /// # Errors
-    /// As [`Self::cost`].
+    /// As [`Self::costs`].
     fn done_of_part(&self, shard: Shard, kept: &Units) -> Result<[usize; 2]> {
         let own = self.part(shard)?;
         Ok([own.len() - self.missing(&own, kept).len(), own.len()])
@@ -200,10 +208,8 @@ pub(super) mod tests {
         let mut whole = plan.finish(Some(&kept("whole")), &Unobserved).unwrap();
         assert_eq!((plan.units(), there("whole").len(), plan.done(&kept("parts"))), (4, 4, 4));
         assert!(there("parts") == there("whole") && there("units") == there("whole"));
-        for unit in 0..4 {
-            let cost = plan.cost(unit, 1).unwrap();
-            assert!(cost.seconds.unwrap() > 0.0 && cost.bytes > 0, "{cost:?}");
-        }
+        let costs = plan.costs(1).unwrap();
+        assert!(costs.len() == 4 && costs.iter().all(|cost| cost.seconds > Some(0.0) && cost.bytes > 0));
         whole.write(&folder.path().join("whole"), Value::Null, &[("version", "0")]).unwrap();
         let text = std::fs::read_to_string(folder.path().join("whole/numbers.json")).unwrap();
         let read: Value = serde_json::from_str(&text).unwrap();

@@ -95,9 +95,15 @@ impl Comparing for Plan {
         left
     }
 
-    fn cost(&self, unit: usize, threads: usize) -> Result<Cost> {
-        let (direction, nm, index) = self.place(unit);
-        segment::cost(&self.segment(index)?, &self.light(nm, direction, index), &self.accuracy(), threads)
+    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+        // All instances are as large.
+        let segment = self.segment(0)?;
+        let each = (0..self.units()).step_by(self.instances).map(|unit| {
+            let (direction, nm, _) = self.place(unit);
+            let cost = segment::cost(&segment, &self.light(nm, direction, 0), &self.accuracy(), threads)?;
+            Ok(vec![cost; self.instances])
+        });
+        Ok(each.collect::<Result<Vec<_>>>()?.concat())
     }
 
     fn keep(&self, unit: usize, kept: &Units, progress: &dyn Progress) -> Result<()> {

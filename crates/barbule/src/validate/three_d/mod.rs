@@ -21,7 +21,6 @@ use crate::math::simd::Width;
 use crate::progress::{Clock, OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
-use crate::solve::cost::Cost;
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::{Wavelengths, wave_number_per_um};
@@ -113,28 +112,13 @@ impl Plan {
         self.structure.segment(self.seed, index, self.length_um, self.roughness)
     }
 
-    /// The largest far field: its segment and its light.
-    fn largest(&self) -> Result<(Segment, SegmentLight)> {
-        let segment = self.segment(0)?;
-        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
-        Ok((segment, self.light(shortest, self.directions[0], 0)))
-    }
-
-    /// What the largest far field takes on so many threads.
-    ///
-    /// # Errors
-    /// A segment cannot be made, or cells do not suit the light.
-    pub fn largest_cost(&self, threads: usize) -> Result<Cost> {
-        let (segment, light) = self.largest()?;
-        segment::cost(&segment, &light, &self.accuracy(), threads)
-    }
-
     /// The cells of the largest far field, along x and y.
     ///
     /// # Errors
-    /// As [`Self::largest_cost`].
+    /// A segment cannot be made, or cells do not suit the light.
     pub fn cells(&self) -> Result<[usize; 2]> {
-        let (segment, light) = self.largest()?;
+        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
+        let (segment, light) = (self.segment(0)?, self.light(shortest, self.directions[0], 0));
         Ok(segment::grid(&segment, &light, &self.accuracy())?.cells)
     }
 
