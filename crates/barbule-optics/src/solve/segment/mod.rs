@@ -25,6 +25,9 @@ use crate::spectrum::wave_number_per_um;
 use crate::structure::{Line, Sampled, Segment, SegmentGrid};
 use crate::{Error, Result};
 
+/// CPU seconds that a roughened boundary takes at each cell, with the layer above it.
+const PLACE_S: f64 = 1.2e-7;
+
 /// Components of a current: J_x, J_y, J_z, M_x, M_y, M_z.
 const COMPONENTS: usize = 6;
 
@@ -214,7 +217,7 @@ pub fn far_field(
     radiate::radiate(&sampled, &reflector, &incidence, light, accuracy, progress)
 }
 
-/// What [`far_field`] takes on so many threads.
+/// What [`far_field`] takes on so many threads; the seconds within a factor of two.
 ///
 /// # Errors
 /// As [`far_field`], as far as that is known without its work.
@@ -225,8 +228,13 @@ pub fn cost(
     threads: usize,
 ) -> Result<Cost> {
     let grid = grid(segment, light, accuracy)?;
-    let radiated = radiate::bytes(&grid, segment.roughness, light, accuracy, threads)?;
-    Ok(Cost { bytes: radiated + segment.sampled_bytes(&grid, accuracy.parts), ..Cost::default() })
+    let (bytes, radiating) = radiate::cost(&grid, segment.roughness, light, accuracy, threads)?;
+    let places = (grid.cells[0] * grid.cells[1] * segment.roughened()) as f64;
+    Ok(Cost {
+        bytes: bytes + segment.sampled_bytes(&grid, accuracy.parts),
+        seconds: Some((radiating + PLACE_S * places) / threads.max(1) as f64),
+        ..Cost::default()
+    })
 }
 
 /// The cells on which a segment is sampled.
