@@ -24,6 +24,7 @@ mod scene;
 mod spectrum;
 mod structure;
 mod trace;
+mod validate;
 mod vision;
 mod work;
 
@@ -68,6 +69,8 @@ mod _native {
     use super::structure::{Section, Structure};
     #[pymodule_export]
     use super::trace::{Traced, trace};
+    #[pymodule_export]
+    use super::validate::Comparison;
     #[pymodule_export]
     use super::vision::{catches, eye, eye_names, jnd, tetrahedral, things};
 }

@@ -61,11 +61,11 @@ def kill(client, which=slice(None)):
 class Killer:
     """Progress that kills all workers when a task has ended, once."""
 
-    def __init__(self, client):
-        self.client, self.has_killed = client, False
+    def __init__(self, client, label="simulating"):
+        self.client, self.label, self.has_killed = client, label, False
 
     def __call__(self, label, done, total):
-        if label == "simulating" and not self.has_killed and done < total:
+        if label == self.label and not self.has_killed and done < total:
             self.has_killed = True
             kill(self.client)
 
@@ -276,6 +276,66 @@ def test_an_atlas_is_that_of_one_process(client, tmp_path):
     for refused, sentence in [(store, "made by another plan"), ("s3://bucket/s.zarr", "a folder that all workers see")]:
         with pytest.raises(barbule.InputError, match=sentence):
             barbule.distributed.atlas(plan, refused, progress=False, **arguments)
+
+
+def timeless(value):
+    """Numbers without how long they took, and what made them."""
+    if isinstance(value, dict):
+        return {key: timeless(one) for key, one in value.items() if not key.endswith(("seconds", "speed_ratio", "made"))}
+    return [timeless(one) for one in value] if isinstance(value, list) else value
+
+
+FILM = "air/keratin:400±10%/air"
+COMPARISONS = {
+    "full-wave": {"wavelengths_nm": [600, 650], "phi_deg": [0], "elements_per_wavelength": 4.0, "individuals": 2},
+    "three-d": {"wavelengths_nm": [600], "instances": 2, "length_um": 6.0},
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("against", COMPARISONS)
+def test_comparisons_are_those_of_one_process(client, tmp_path, against):
+    options = COMPARISONS[against]
+    one = barbule.validate(FILM, tmp_path / "one", against, **options, progress=False)
+    killer = Killer(client, {"full-wave": "full waves", "three-d": "segments"}[against])
+    arguments = {"client": client, "unit_seconds": 1e-6, **options}
+    several = barbule.distributed.validate(FILM, tmp_path / "several", against, **arguments, progress=killer)
+    assert killer.has_killed
+    assert timeless(several) == timeless(one)
+    names = [{path.name for path in (tmp_path / name).rglob("*")} for name in ("one", "several")]
+    assert names[0] == names[1] and {"units", "numbers.json"} < names[0]
+    # Nothing is left to do, here or there.
+    again = barbule.distributed.validate(FILM, tmp_path / "one", against, **arguments, progress=False)
+    key = {"full-wave": "incidences", "three-d": "directions"}[against]
+    assert again[key] == one[key]
+
+
+def test_what_cannot_be_compared_is_refused(client, tmp_path):
+    for options, sentence in [
+        ({"against": "measured"}, "'against' is 'measured'"),
+        ({"instances": 3}, "'instances' is for segments"),
+        ({"against": "three-d", "phi_deg": [0]}, "'phi_deg' is for full waves"),
+        ({"individuals": 0}, "0 individuals are to be compared"),
+        ({"width_um": 6.0}, "'width_um' and 'layers' change species"),
+        ({"against": "three-d", "length_um": 0.1}, "'length_um' is 0.1"),
+        ({"phi_deg": [80]}, "'phi_deg': φ_i = 80°"),
+    ]:
+        for call, more in [(barbule.validate, {}), (barbule.distributed.validate, {"client": client})]:
+            with pytest.raises(barbule.InputError, match=sentence):
+                call(FILM, tmp_path / "v", **options, **more, progress=False)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'phi'"):
+        barbule.validate(FILM, tmp_path / "v", phi=[0], progress=False)
+    with pytest.raises(barbule.InputError, match="MB"):
+        barbule.validate(FILM, tmp_path / "v", memory_bytes=1000, **COMPARISONS["full-wave"], progress=False)
+    assert not (tmp_path / "v").exists()
+
+
+def test_tasks_hold_missing_units_that_take_long_enough():
+    from barbule.distributed._validate import _tasks
+
+    assert _tasks([0, 1, 2, 5, 6], [1.0] * 9, 2.0) == [range(0, 2), range(2, 6), range(6, 7)]
+    assert _tasks([3], [0.1] * 4, 2.0) == [range(3, 4)]
+    assert _tasks([0, 1, 2], [5.0, 5.0, 5.0], 4.0) == [range(0, 1), range(1, 2), range(2, 3)]
 
 
 def test_frames_are_the_pictures_of_one_process(client, tmp_path):
