@@ -34,7 +34,10 @@ SHORT = 0.01
 
 @pytest.fixture(scope="module")
 def client():
+    dask = pytest.importorskip("dask")
     with (
+        # Workers that were killed take their time to come back where much else is done.
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
