@@ -30,7 +30,7 @@ mod work;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use super::atlas::{atlas, foretell_atlas};
+    use super::atlas::{AtlasUnits, atlas, foretell_atlas};
     #[pymodule_export]
     use super::campaign::{Campaign, simd};
     #[pymodule_export]

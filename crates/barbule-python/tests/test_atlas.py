@@ -72,6 +72,16 @@ def test_a_forecast_counts_the_files(plan: Path, tmp_path: Path) -> None:
     assert forecast.seconds > 0
 
 
+def test_a_page_and_a_picture_stand_where_they_were_asked_for(plan: Path, tmp_path: Path) -> None:
+    page, picture = tmp_path / "page", tmp_path / "map.png"
+    barbule.atlas(plan, tmp_path / "s.zarr", page=page, picture=picture, progress=False)
+    assert picture.read_bytes().startswith(b"\x89PNG") and len(list((page / "structures").glob("*.toml"))) == 15
+    assert "15 of 15 structures" in (page / "index.html").read_text(encoding="utf-8")
+    with pytest.raises(barbule.InputError, match=r"figures are written as"):
+        barbule.atlas(plan, tmp_path / "t.zarr", picture=tmp_path / "map.txt", progress=False)
+    assert not (tmp_path / "t.zarr").exists()
+
+
 def test_refusals_name_the_key(plan: Path, tmp_path: Path) -> None:
     plan.write_text(PLAN.replace('"layer1"', '"layer9"'))
     with pytest.raises(barbule.InputError, match=r"vary\[0\].key: .* has no size 'layer9'"):

@@ -277,6 +277,38 @@ def test_far_fields_and_crystals_are_those_of_one_process(client, tmp_path):
     assert np.array_equal(crystal["R"].transpose("phi_i", "wavelength", "polarization"), alike["R"])
 
 
+PLAN = """barbule = 1
+name = "films"
+structure = "starling"
+wavelengths_nm = "400:700:50"
+individuals = 2
+unit_cells = 2
+
+[[vary]]
+key = "cortex_um"
+values = "0.25:0.45:0.02"
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_an_atlas_is_that_of_one_process(client, tmp_path):
+    plan, store = tmp_path / "plan.toml", tmp_path / "s.zarr"
+    plan.write_text(PLAN)
+    barbule.atlas(plan, tmp_path / "one.zarr", progress=False)
+    killer = Killer(client, 1)
+    arguments = {"client": client, "unit_seconds": 0.01}
+    barbule.distributed.atlas(plan, store, progress=killer, **arguments)
+    assert killer.times == 0
+    assert files(store) == files(tmp_path / "one.zarr")
+    sorted(store.glob("mean/c.*"))[0].write_bytes(b"half")
+    barbule.distributed.atlas(plan, store, progress=False, **arguments)
+    assert files(store) == files(tmp_path / "one.zarr")
+    plan.write_text(PLAN.replace("individuals = 2", "individuals = 3"))
+    for refused, sentence in [(store, "made by another plan"), ("s3://bucket/s.zarr", "a folder that all workers see")]:
+        with pytest.raises(barbule.InputError, match=sentence):
+            barbule.distributed.atlas(plan, refused, progress=False, **arguments)
+
+
 def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     frames = barbule.Scene.load("starling").frames(3, {"light": 40})
     arguments = {"client": client, "size": (24, 16), "samples": 1, "memory_bytes": 1 << 29, "progress": False}

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use barbule::atlas::{Atlas, Forecast, Plan, foretell, run};
 use barbule::error::counted;
-use barbule::figures::{AtlasColours, atlas_map, atlas_page};
+use barbule::figures::{AtlasColours, atlas_map, atlas_page, claim_atlas_page, write_atlas_page};
+use barbule::io::store::Survey;
 use barbule::io::sweep::SweepStore;
-use barbule::io::{claim_output, is_inside_store, make_folder, write_whole};
 use barbule::math::simd::Width;
 use barbule::plot::Page;
 use barbule::progress::Shard;
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use crate::common::{Common, duration, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use crate::shard;
+use crate::shard::{self, Parts};
 
 /// Arguments of `barbule atlas`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +25,7 @@ use crate::shard;
     after_help = "Examples:\n  barbule atlas examples/atlas/films.toml -o films.zarr --picture films.svg\n  \
     barbule atlas examples/atlas/hummingbirds.toml --status\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --shard 0/4\n  \
+    barbule atlas examples/atlas/films.toml -o films.zarr --status --shards 4\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --page films\n\n\
     The same command goes on with a store that was interrupted. --status says what is done and what is left, or before the first unit what it will take."
 )]
@@ -38,9 +39,13 @@ pub(crate) struct Args {
     /// Only part i of n (i from 0) of the units, for several processes on one store
     #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
     shard: Option<Shard>,
-    /// Say what is done and what is left; of a store that is not there yet what it will take
-    #[arg(long, conflicts_with_all = ["page", "picture", "shard"])]
+    /// Say what is done, what is left and who computes; of a store that is not there yet what it will take
+    #[arg(long, conflicts_with_all = ["page", "picture"])]
     status: bool,
+    /// With --status: what of each of n parts is done [default: as many as those that run have]
+    #[arg(long, value_name = "n", requires = "status", conflicts_with = "shard", allow_hyphen_values = true,
+        value_parser = shard::count)]
+    shards: Option<usize>,
     /// Make a page of what is there in this folder: maps, spectra, a file of each structure
     #[arg(long, value_name = "FOLDER")]
     page: Option<PathBuf>,
@@ -68,13 +73,18 @@ impl Args {
             return self.report(&atlas, &progress, out);
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
-        self.claim_page(&atlas)?;
+        if let Some(folder) = &self.page {
+            claim_atlas_page(folder, &atlas)?;
+        }
+        if self.picture.is_some() {
+            AtlasColours::check(&atlas)?;
+        }
         let store = atlas.create(path)?;
         let mut document = self.compute(&atlas, &store, path, &progress)?;
         drop(progress);
         self.draw(&atlas, &store)?;
         if self.common.json {
-            let status = status(&atlas, &store);
+            let status = status(&atlas, &store, &store.survey());
             if let (Value::Object(all), Value::Object(status)) = (&mut document, status) {
                 all.extend(status);
             }
@@ -98,6 +108,7 @@ impl Args {
             self.common.check_memory("the atlas", forecast.memory_bytes, remedy)?;
             self.common.say(&words(&forecast));
         }
+        let _announced = store.announce(self.shard.unwrap_or(Shard::WHOLE));
         let outcome = run(atlas, store, &units, progress).map_err(|error| {
             if !error.is_interrupted() {
                 return error;
@@ -127,28 +138,6 @@ impl Args {
         }))
     }
 
-    /// Says before any work what the page's folder will hold.
-    fn claim_page(&self, atlas: &Atlas) -> Result<()> {
-        let Some(folder) = &self.page else { return Ok(()) };
-        if folder.is_file() {
-            return Err(Error::input(format!("--page {}: is a file; give a folder", folder.display())));
-        }
-        let inside = [Some(folder.as_path()), folder.parent()].into_iter().flatten();
-        let is_store = |path: &Path| path.join("zarr.json").is_file() || is_inside_store(path);
-        if inside.filter(|path| !path.as_os_str().is_empty()).any(is_store) {
-            return Err(Error::input(format!(
-                "--page {}: lies inside a campaign store; give a name elsewhere",
-                folder.display()
-            )));
-        }
-        let files = ["index.html".to_owned(), "map.svg".to_owned()].into_iter();
-        let structures = (0..atlas.cells()).map(|cell| format!("structures/{cell:06}.toml"));
-        files.chain(structures).try_for_each(|name| {
-            let path = folder.join(name);
-            claim_output(&path, &path.display().to_string())
-        })
-    }
-
     /// Draws the map and makes the page, as asked.
     fn draw(&self, atlas: &Atlas, store: &SweepStore) -> Result<()> {
         let provenance = Provenance::new(&self.common);
@@ -160,11 +149,7 @@ impl Args {
         }
         let Some(folder) = &self.page else { return Ok(()) };
         let files = atlas_page(atlas, store, &provenance.notes())?;
-        make_folder(&folder.join("structures"))?;
-        // The page itself comes last, when all that it names is there.
-        for (name, bytes) in files.iter().rev() {
-            write_whole(&folder.join(name), bytes)?;
-        }
+        write_atlas_page(folder, &files)?;
         self.common
             .wrote(folder, &format!("index.html, map.svg and {}", counted(files.len() - 2, "structure")));
         Ok(())
@@ -175,16 +160,20 @@ impl Args {
             Some(path) if path.exists() => Some(atlas.open(path)?),
             _ => None,
         };
-        let begun = store.filter(|store| (0..atlas.layout().units()).any(|unit| store.is_done(unit)));
-        let Some(store) = begun else {
+        let surveyed = store.map(|store| (store.survey(), store));
+        let is_begun =
+            |survey: &Survey| survey.status().missing() < survey.status().units || !survey.runs().is_empty();
+        let Some((survey, store)) = surveyed.filter(|(survey, _)| is_begun(survey)) else {
             let forecast = foretell(atlas, progress)?;
             return match self.common.json {
                 true => print_json(out, &forecast_json(atlas, &forecast)),
                 false => print(out, &format!("{}: {}", atlas.name(), words(&forecast))),
             };
         };
-        let document = status(atlas, &store);
+        let parts = Parts::of(&survey, self.shard, self.shards);
+        let mut document = status(atlas, &store, &survey);
         if self.common.json {
+            document["shards"] = parts.json();
             return print_json(out, &document);
         }
         let number = |key: &str| document[key].as_u64().unwrap_or(0);
@@ -203,13 +192,14 @@ impl Args {
             number("damaged"),
             number("bytes") as f64 / 1e6,
         );
-        print(out, &text)
+        print(out, &text)?;
+        parts.lines().iter().try_for_each(|line| print(out, line))
     }
 }
 
 /// How far a store is.
-fn status(atlas: &Atlas, store: &SweepStore) -> Value {
-    let (status, seconds) = (store.status(), store.seconds());
+fn status(atlas: &Atlas, store: &SweepStore, survey: &Survey) -> Value {
+    let (status, seconds) = (survey.status(), store.seconds());
     let left = status.units - status.done;
     let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
     let seconds_left = (left == 0 || !seconds.is_empty()).then_some(mean * left as f64);
@@ -223,6 +213,7 @@ fn status(atlas: &Atlas, store: &SweepStore) -> Value {
         "seconds_left": seconds_left,
         "bytes": store.bytes(),
         "simd": store.layout().width,
+        "running": shard::running(survey),
     })
 }
 

@@ -101,6 +101,45 @@ fn a_status_foretells_then_counts() {
     assert_eq!(bytes_of(&at.join("s.zarr")).len() as u64, before["files"].as_u64().unwrap());
 }
 
+#[cfg(unix)]
+#[test]
+fn a_part_that_runs_is_seen_and_one_that_was_killed_is_named() {
+    let folder = with_plan();
+    let at = folder.path();
+    let slow = PLAN.replace("individuals = 3", "individuals = 200");
+    std::fs::write(at.join("plan.toml"), slow).unwrap();
+    let read = |more: &[&str]| -> Value {
+        let words = [&["plan.toml", "-o", "s.zarr", "--status", "--json"], more].concat();
+        serde_json::from_str(&succeed(at, &words).0).unwrap()
+    };
+    let states = |told: &Value| -> Vec<String> {
+        let parts = told["shards"]["parts"].as_array().unwrap();
+        parts.iter().map(|part| part["state"].as_str().unwrap().to_owned()).collect()
+    };
+    let mut child =
+        command(at, &["plan.toml", "-o", "s.zarr", "--shard", "1/2", "--threads", "1"]).spawn().unwrap();
+    let begun = std::time::Instant::now();
+    let times = || std::fs::read_dir(at.join("s.zarr/.times")).map_or(0, Iterator::count);
+    while times() == 0 && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Held where it is, so that what is told of it can be looked at.
+    assert!(Command::new("kill").args(["-STOP", &child.id().to_string()]).status().unwrap().success());
+    let told = read(&[]);
+    assert_eq!(states(&told), ["waiting", "running"], "{told}");
+    assert_eq!(told["running"][0]["process"], child.id());
+    let (text, _) = succeed(at, &["plan.toml", "-o", "s.zarr", "--status"]);
+    assert!(text.contains("shard 1/2: ") && text.contains("to be started (again): 0\n"), "{text}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(states(&read(&[])), ["waiting", "killed"]);
+    succeed(at, &["plan.toml", "-o", "s.zarr", "--shard", "1/2"]);
+    // Units are dealt out in turn.
+    assert_eq!(states(&read(&["--shards", "2"])), ["waiting", "done"]);
+    assert_eq!(read(&["--shards", "4"])["shards"]["to_start"], serde_json::json!([0, 2]));
+    assert_eq!(states(&read(&["--shard", "3/4"])), ["done"]);
+}
+
 #[test]
 fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     let folder = with_plan();
@@ -108,6 +147,7 @@ fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     succeed(at, &["plan.toml", "-o", "s.zarr", "--page", "page", "--picture", "map.png"]);
     let page = bytes_of(&at.join("page"));
     assert_eq!(page.len(), 2 + 12);
+    succeed(at, &["plan.toml", "-o", "s.zarr", "--page", "page"]);
     let text = String::from_utf8(page["index.html"].clone()).unwrap();
     assert!(text.contains("12 of 12 structures") && text.contains("cortex (µm)"), "{text}");
     assert!(at.join("map.png").is_file());
@@ -133,6 +173,8 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         ("'400:700:20'", "'200:700:20'", "200 nm is outside 300 to 830 nm"),
         ("individuals = 3", "birds = ['starling']", "birds see from 300 nm"),
         ("individuals = 3", "angles_deg = [95]", "give angles between -90 and 90"),
+        ("individuals = 3", "angles_deg = '0:80:0.01'", "angles_deg has 8001 values, over 1000"),
+        ("name = 'films'", "name = ''", "name must be 1 to 120 letters"),
         ("barbule = 1", "", "barbule is missing"),
         ("unit_cells = 2", "unit_cels = 2", "did you mean 'unit_cells'?"),
     ] {
@@ -147,13 +189,22 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         assert!(!at.join("s.zarr").exists(), "{message}");
     }
     succeed(at, &["plan.toml", "-o", "s.zarr"]);
+    std::fs::create_dir(at.join("taken")).unwrap();
+    std::fs::write(at.join("taken/index.html"), "<!doctype html>mine").unwrap();
     std::fs::write(at.join("other.toml"), PLAN.replace("individuals = 3", "individuals = 4")).unwrap();
     let message = String::from_utf8_lossy(&run(at, &["other.toml", "-o", "s.zarr"]).stderr).into_owned();
     assert!(message.contains("made by another plan (sweep.plan.individuals: 3 there, 4 here)"), "{message}");
+    std::fs::write(at.join("uv.toml"), PLAN.replace("'400:700:20'", "'300:380:20'")).unwrap();
     for (words, part) in [
-        (&["plan.toml", "-o", "s.zarr/inner.zarr"][..], "inside a campaign store"),
+        (&["uv.toml", "-o", "t.zarr", "--page", "uv"][..], "the atlas has no colours"),
+        (&["uv.toml", "-o", "t.zarr", "--picture", "uv.png"], "the atlas has no colours"),
+        (&["plan.toml", "-o", "s.zarr/inner.zarr"], "inside a campaign store"),
         (&["plan.toml", "-o", "s.zarr", "--page", "s.zarr"], "--page s.zarr: lies inside a campaign store"),
         (&["plan.toml", "-o", "s.zarr", "--page", "plan.toml"], "is a file; give a folder"),
+        (
+            &["plan.toml", "-o", "s.zarr", "--page", "taken"],
+            "that is not the page of an atlas; give another folder",
+        ),
         (&["plan.toml", "-o", "s.zarr", "--picture", "map.txt"], "figures are written as .svg, .pdf or .png"),
         (&["plan.toml"], "--output"),
         (&["plan.toml", "-o", "t.zarr", "--shard", "4/4"], "write i/n with 0 <= i < n"),

@@ -127,6 +127,43 @@ fn a_shard_that_runs_is_seen_and_one_that_was_killed_is_repeated_to_the_same_byt
     assert!(bytes_of(&at.join("s.zarr")) == bytes_of(&at.join("whole.zarr")));
 }
 
+/// Anyone who may write into a store may leave anything there.
+#[cfg(unix)]
+#[test]
+fn traces_that_no_process_left_do_no_harm() {
+    use std::os::unix::ffi::OsStrExt as _;
+
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    succeed(at, &simulating("s.zarr", &["--shard", "0/3"]));
+    let aside = at.join("s.zarr/.aside");
+    std::fs::create_dir(&aside).unwrap();
+    let names: [&[u8]; 7] = [
+        b"run-1-3-1-1-of-another",
+        b"run-2-3-99999999999-4-of-tomorrow",
+        b"run-2-3-1700000000-5-two\nlines\x1b[31m",
+        b"run-2-3-1700000000-5-\xff\xfe",
+        b"run-0-0-1700000000-5-of-none",
+        b"run-2-100001-1700000000-5-of-too-many",
+        b"run-1-3-1700000000-6-huge",
+    ];
+    for name in names {
+        let file = std::fs::File::create(aside.join(std::ffi::OsStr::from_bytes(name))).unwrap();
+        file.set_len(if name.ends_with(b"huge") { 10 << 30 } else { 0 }).unwrap();
+    }
+    std::fs::write(at.join("kept"), b"kept").unwrap();
+    std::os::unix::fs::symlink(at.join("kept"), aside.join("run-1-3-1700000000-7-link")).unwrap();
+    assert!(Command::new("mkfifo").arg(aside.join("run-1-3-1700000000-8-pipe")).status().unwrap().success());
+    let told = status(at, "s.zarr", &[]);
+    assert_eq!(states(&told), ["done", "killed", "killed"], "{told}");
+    assert_eq!((&told["running"], &told["shards"]["to_start"]), (&json!([]), &json!([1, 2])));
+    let text = succeed(at, &["simulate", "s.zarr", "--status"]);
+    assert!(text.ends_with("to be started (again): 1-2\n") && text.lines().count() == 5, "{text}");
+    succeed(at, &simulating("s.zarr", &[]));
+    assert_eq!(status(at, "s.zarr", &[])["missing"], json!(0));
+    assert_eq!(std::fs::read(at.join("kept")).unwrap(), b"kept");
+}
+
 #[test]
 fn values_that_share_nothing_out_are_refused() {
     let folder = tempfile::tempdir().unwrap();

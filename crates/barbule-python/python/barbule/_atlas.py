@@ -57,6 +57,8 @@ def atlas(
     simd: str | None = None,
     cache: Union[str, "PathLike[str]", None] = None,
     memory_bytes: int | None = None,
+    page: Union[str, "PathLike[str]", None] = None,
+    picture: Union[str, "PathLike[str]", None] = None,
     threads: int | None = None,
     progress: ProgressLike = True,
 ) -> Outcome:
@@ -73,6 +75,8 @@ def atlas(
         simd: SIMD instructions, alike on all machines of one store; the widest of this processor without.
         cache: Folder of computed tables; that of the command line without one.
         memory_bytes: What may be taken at most; what the machine has left without.
+        page: Folder of a page for browsers: maps, spectra, a file of each structure.
+        picture: File of the map of colours (``.svg``, ``.pdf`` or ``.png``).
         threads: Threads; all cores without a number.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
 
@@ -84,9 +88,10 @@ def atlas(
         MachineError: The store cannot be written.
     """
     given_media = media_of(media)
+    drawn = _path(page), _path(picture)
     with watched(progress) as watch:
         computed, found, repaired, seconds = _native.atlas(
-            Path(plan), Path(store), shard, seed, given_media, simd, _path(cache), memory_bytes, threads, watch
+            Path(plan), Path(store), shard, seed, given_media, simd, _path(cache), memory_bytes, *drawn, threads, watch
         )
     return Outcome(computed, found, repaired, dict(seconds))
 

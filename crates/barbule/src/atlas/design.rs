@@ -1,6 +1,7 @@
 //! Which cells an atlas has: a full grid, or a Latin hypercube.
 
 use super::plan::{Plan, Vary};
+use super::steps::rounded;
 use super::subject::{Size, Subject};
 use crate::io::sweep::MOST_CELLS;
 use crate::math::rng::Stream;
@@ -8,6 +9,9 @@ use crate::{Error, Result};
 
 /// The name under which the random streams of samples are drawn.
 const PURPOSE: u64 = 0x6174_6c61_7330_0001;
+
+/// Digits of a drawn size after its first.
+const DIGITS: usize = 6;
 
 /// A key with its values.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +115,8 @@ fn drawn(vary: &Vary, index: usize, size: &Size, count: usize, seed: u64) -> Res
     let one = |part: usize| {
         let at = (part as f64 + stream.unit()) / count as f64;
         let value = vary.values.drawn(at, &path)?;
-        Ok(if size.whole { value.round() } else { value })
+        // No structure is known to more digits.
+        Ok(if size.whole { value.round() } else { rounded(value, DIGITS) })
     };
     parts.into_iter().map(one).collect()
 }
@@ -152,6 +157,7 @@ mod tests {
         for (key, low) in design.keys().iter().zip([0.2, 0.5]) {
             let mut parts: Vec<usize> =
                 key.values.iter().map(|v| ((v - low) / 0.4 * 40.0) as usize).collect();
+            assert!(key.values.iter().all(|v| v.to_string().len() < 10), "{:?}", key.values);
             assert!(!parts.is_sorted(), "{}", key.key);
             parts.sort_unstable();
             assert_eq!(parts, (0..40).collect::<Vec<_>>(), "{}", key.key);

@@ -46,7 +46,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::Value;
 
-pub use foretell::{Forecast, foretell};
+pub use foretell::{Forecast, foretell, foretell_by};
 pub use plan::{Impossible, Materials, Patch, Plan, Plane, Vary};
 pub use run::{Outcome, run};
 pub use schedule::{Faults, Schedule};
@@ -67,8 +67,9 @@ use crate::structure::Structure;
 use crate::vision::View;
 use crate::{Error, Result};
 
-/// Angles of incidence, degrees: all below.
+/// Angles of incidence, degrees: all below. And how many there are, at most.
 const GRAZING_DEG: f64 = 90.0;
+const MOST_ANGLES: usize = 1_000;
 
 /// A plan whose names are opened and whose cells are known.
 pub struct Atlas {
@@ -110,6 +111,13 @@ impl Atlas {
         if let Some(bad) = angles_deg.iter().find(|angle| angle.abs() >= GRAZING_DEG) {
             return Err(Error::input(format!("angles_deg has {bad}; give angles between -90 and 90"))
                 .about("angles_deg"));
+        }
+        if angles_deg.len() > MOST_ANGLES {
+            let count = angles_deg.len();
+            return Err(Error::input(format!(
+                "angles_deg has {count} values, over {MOST_ANGLES}; give fewer"
+            ))
+            .about("angles_deg"));
         }
         let views = views(plan, folder, &wavelengths)?;
         let black = Spectrum::new(wavelengths.clone(), vec![0.0; wavelengths.len()])?;
@@ -202,7 +210,7 @@ impl Atlas {
     /// The units of work of one of several parts: every so manieth, so that all parts take about as long.
     #[must_use]
     pub fn units(&self, shard: Shard) -> Vec<usize> {
-        (shard.number()..self.layout.units()).step_by(shard.of()).collect()
+        shard.every(self.layout.units()).collect()
     }
 
     /// The sizes of a cell by their keys, in the order of the plan.

@@ -14,6 +14,9 @@ use crate::{Error, Result};
 /// What structures are, for people.
 const STRUCTURE: Text = Text("SPECIES[:VARIANT], a stack, or the .toml file of either");
 
+/// Letters of a name, at most.
+const MOST_NAME: usize = 120;
+
 /// What stands before a file of a light in quanta.
 const QUANTA: &str = "quanta:";
 
@@ -144,6 +147,16 @@ impl Plan {
     /// Refuses what each key may be but not all together.
     fn checked(self) -> Result<Self> {
         let refuse = |key: String, what: &str| Err(Error::input(format!("{key} {what}")).about(key));
+        let patches = self.patches.iter().enumerate();
+        let names = patches.map(|(i, patch)| (format!("patches[{i}].name"), &patch.name));
+        for (key, name) in [("name".to_owned(), &self.name)].into_iter().chain(names) {
+            if name.trim().is_empty()
+                || name.chars().count() > MOST_NAME
+                || name.chars().any(char::is_control)
+            {
+                return refuse(key, &format!("must be 1 to {MOST_NAME} letters, without control characters"));
+            }
+        }
         for (i, vary) in self.vary.iter().enumerate() {
             if self.vary[..i].iter().any(|before| before.key == vary.key) {
                 return refuse(format!("vary[{i}].key"), "is swept twice; give it once");
@@ -248,6 +261,8 @@ mod tests {
         let patch = |more: &str| format!("{GOOD}[[patches]]\nname = 'a'\n{more}");
         for (text, part) in [
             (GOOD.replace("barbule = 1", "barbule = 2"), "line 1: barbule is 2, outside 1 to 1"),
+            (GOOD.replace("'films'", "''"), "line 2: name must be 1 to 120 letters"),
+            (GOOD.replace("'films'", "\"a\\u001b[31m\""), "line 2: name must be 1 to 120 letters"),
             (GOOD.replace("name =", "nmae ="), "line 2: unknown key 'nmae', did you mean 'name'?"),
             (GOOD.replace("structure = 'starling'\n", ""), "structure is missing; give a species"),
             (GOOD.replace("'0.2:0.5:0.1'", "0.2:0.5"), "is not TOML"),

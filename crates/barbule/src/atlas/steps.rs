@@ -15,7 +15,7 @@ const MOST_STEPS: usize = 100_000;
 /// Half a millionth of a step forgives decimal steps such as 0.1.
 const SLACK: f64 = 1e-6;
 
-/// Digits that steps are rounded to, so that 0.1 + 2·0.1 is 0.3.
+/// Digits after the first that steps are rounded to, as people could have meant them, so that 0.1 + 2·0.1 is 0.3.
 const DIGITS: usize = 12;
 
 record! {
@@ -71,7 +71,7 @@ impl Steps {
             Self::Span([low, high]) => {
                 return refuse(format!(
                     "is {low}:{high}, which says no values; give a step, as in \"{low}:{high}:{}\", or draw `samples`",
-                    rounded(0.1 * (high - low).abs())
+                    rounded(0.1 * (high - low).abs(), DIGITS)
                 ));
             }
             Self::Stepped([low, high, step]) => {
@@ -82,12 +82,14 @@ impl Steps {
                 if count >= MOST_STEPS as f64 {
                     return refuse(format!("has over {MOST_STEPS} values; give a larger step"));
                 }
-                (0..=(count + SLACK).floor() as usize).map(|i| rounded(low + i as f64 * step)).collect()
+                (0..=(count + SLACK).floor() as usize)
+                    .map(|i| rounded(low + i as f64 * step, DIGITS))
+                    .collect()
             }
             Self::Counted(Counted { low, count: 1, .. }) => vec![*low],
             Self::Counted(Counted { low, high, count }) => {
                 let part = |i: usize| i as f64 / (count - 1) as f64;
-                (0..*count).map(|i| rounded(low + part(i) * (high - low))).collect()
+                (0..*count).map(|i| rounded(low + part(i) * (high - low), DIGITS)).collect()
             }
         };
         if values.is_empty() || values.len() > MOST_STEPS {
@@ -126,9 +128,9 @@ impl Steps {
     }
 }
 
-/// A number to as many digits as people could have meant.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.DIGITS$e}").parse().unwrap_or(value)
+/// A number to so many digits after the first.
+pub(super) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
 impl FieldValue for Steps {

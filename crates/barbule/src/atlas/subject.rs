@@ -194,8 +194,11 @@ impl Subject {
 
 /// The layer, from 0, that `layer1` and so on name.
 fn layer(name: &str, layers: usize) -> Option<usize> {
-    let number: usize = name.strip_prefix("layer")?.parse().ok()?;
-    (1..=layers).contains(&number).then(|| number - 1)
+    // One name for each: neither `layer01` nor `layer+1`.
+    let digits =
+        name.strip_prefix("layer").filter(|digits| digits.starts_with(|c: char| ('1'..='9').contains(&c)))?;
+    let number: usize = digits.parse().ok()?;
+    (number <= layers).then(|| number - 1)
 }
 
 /// A key's unit as units libraries read it.
@@ -233,6 +236,8 @@ mod tests {
             (&starling, "cortex_nm", "did you mean 'cortex_um'?"),
             (&film, "layer2", "has no size 'layer2'"),
             (&film, "keratin", "known are layer1"),
+            (&film, "layer+1", "has no size 'layer+1'"),
+            (&film, "layer01", "has no size 'layer01'"),
         ] {
             let message = subject.size(key).unwrap_err().to_string();
             assert!(message.contains(part), "{message}");

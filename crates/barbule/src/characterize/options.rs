@@ -241,8 +241,12 @@ impl Plan {
     /// Seconds that simulation and fit take on so many cores that do nothing else, roughly.
     #[must_use]
     pub fn seconds(&self, cores: usize) -> f64 {
-        let fit = START_S + FIT_S * self.parameters.axes.len() as f64;
-        (fit + self.simulating_seconds()) / cores as f64
+        (self.fit_seconds() + self.simulating_seconds()) / cores as f64
+    }
+
+    /// Seconds that the fit takes on one core, with what begins and ends a characterization, roughly.
+    pub(crate) fn fit_seconds(&self) -> f64 {
+        START_S + FIT_S * self.parameters.axes.len() as f64
     }
 
     /// What one [unit](crate::scattering::statistics::Unit) takes on so many cores, beside what all share: its fields and results,

@@ -1,5 +1,7 @@
 //! The map of an atlas: colours over two of its keys, the others as small maps beside each other.
 
+use rayon::prelude::*;
+
 use crate::atlas::Atlas;
 use crate::io::Numbers;
 use crate::io::sweep::{SweepAxis, SweepStore};
@@ -9,9 +11,9 @@ use crate::{Error, Result};
 /// Small maps on one figure, at most.
 const MOST_MAPS: usize = 36;
 
-/// Columns or rows of values that are not at equal distances, and places of samples along a key, at most.
+/// Columns or rows of values that are not at equal distances, and of maps of samples.
 const FINE: usize = 240;
-const SAMPLED: usize = 48;
+const SAMPLED: usize = 96;
 
 /// How far steps may differ that count as equal, as a part.
 const EQUAL: f64 = 1e-6;
@@ -27,16 +29,25 @@ pub struct AtlasColours {
 }
 
 impl AtlasColours {
-    /// Reads them from a store.
+    /// Refuses an atlas without colours.
     ///
     /// # Errors
     /// The atlas has no colours.
-    pub fn read(atlas: &Atlas, store: &SweepStore) -> Result<Self> {
+    pub fn check(atlas: &Atlas) -> Result<()> {
         if !atlas.has_colours() {
             return Err(Error::input(
                 "the atlas has no colours, since its wavelengths are too few of what the eye sees; give wavelengths_nm from 400 to 700 nm",
             ));
         }
+        Ok(())
+    }
+
+    /// Reads them from a store.
+    ///
+    /// # Errors
+    /// The atlas has no colours.
+    pub fn read(atlas: &Atlas, store: &SweepStore) -> Result<Self> {
+        Self::check(atlas)?;
         let black = |values: &Vec<f64>| values.iter().all(|value| *value == 0.0);
         let of = |values: Option<Vec<f64>>| {
             // An empty cell is black in all channels; nothing that reflects is.
@@ -138,46 +149,49 @@ fn angles(atlas: &Atlas) -> Span {
     })
 }
 
-/// The maps of samples: where each lies along the first two keys.
+/// The maps of samples: at each place along the first two keys the nearest of them, distances measured in parts of the keys' ranges.
 fn sampled(atlas: &Atlas) -> Vec<Panel> {
     let layout = atlas.layout();
     let samples = layout.cells.last().map_or(1, |axis| axis.values.len());
     let patches = layout.count() / samples.max(1);
-    let places = samples.clamp(1, SAMPLED);
     let keys = &layout.coordinates;
-    let ends = |values: &[f64]| {
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        if low < high { [low, high] } else { [low - 0.5, low + 0.5] }
-    };
     let of_key = |index: usize| match keys.get(index) {
-        Some(key) => Span {
-            label: labelled(&key.name, &key.units),
-            range: ends(&key.values),
-            at: (0..places).collect(),
-        },
+        Some(key) => {
+            let low = key.values.iter().copied().fold(f64::INFINITY, f64::min);
+            let high = key.values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let range = if low < high { [low, high] } else { [low - 0.5, low + 0.5] };
+            Span { label: labelled(&key.name, &key.units), range, at: (0..SAMPLED).collect() }
+        }
         None => Span::none(),
     };
     let (x, y) = (of_key(0), of_key(1));
-    let bin = |span: &Span, value: f64| {
-        let part = (value - span.range[0]) / (span.range[1] - span.range[0]);
-        ((part * span.at.len() as f64) as usize).min(span.at.len() - 1)
+    let parts = |span: &Span, index: usize| -> Vec<f64> {
+        let part = |value: f64| (value - span.range[0]) / (span.range[1] - span.range[0]);
+        keys.get(index).map_or(vec![0.5; samples], |key| key.values.iter().map(|v| part(*v)).collect())
     };
+    let near = nearest(&parts(&x, 0), &parts(&y, 1), x.at.len(), y.at.len());
     let mut all = Vec::new();
     for patch in 0..patches {
         for angle in 0..atlas.angles_deg().len() {
-            let mut cells = vec![None; x.at.len() * y.at.len()];
-            for sample in 0..samples {
-                let column = bin(&x, keys[0].values[sample]);
-                let row = keys.get(1).map_or(0, |key| bin(&y, key.values[sample]));
-                cells[row * x.at.len() + column] = Some([patch * samples + sample, angle]);
-            }
+            let cells = near.iter().map(|sample| Some([patch * samples + sample, angle])).collect();
             let name = if patches > 1 { said(&layout.cells[0], patch) } else { String::new() };
             let title = with_angle(&name, atlas, angle);
             all.push(Panel { title, x: x.clone(), y: y.clone(), cells });
         }
     }
     all
+}
+
+/// At the middle of each place of a map, row by row from the lowest y, the number of the nearest of some points, which lie between
+/// 0 and 1; of equals the first.
+fn nearest(x: &[f64], y: &[f64], columns: usize, rows: usize) -> Vec<usize> {
+    let middle = |place: usize, count: usize| (place as f64 + 0.5) / count as f64;
+    let one = |place: usize| {
+        let at = [middle(place % columns, columns), middle(place / columns, rows)];
+        let distance = |point: &usize| (x[*point] - at[0]).powi(2) + (y[*point] - at[1]).powi(2);
+        (0..x.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    };
+    (0..columns * rows).into_par_iter().map(one).collect()
 }
 
 /// A map's title with its angle, where there are several.
@@ -218,7 +232,7 @@ fn labelled(name: &str, units: &str) -> String {
 impl Span {
     /// What there is no axis of.
     fn none() -> Self {
-        Self { label: "(no second key)".into(), range: [0.0, 1.0], at: vec![0] }
+        Self { label: String::new(), range: [0.0, 1.0], at: vec![0] }
     }
 }
 
@@ -303,5 +317,11 @@ mod tests {
             assert!((share(value) - width / 4.5).abs() < 0.01, "{value}");
         }
         assert_eq!(span(&axis(&[2.0])).range, [1.5, 2.5]);
+    }
+    #[test]
+    fn every_place_has_the_nearest_point() {
+        // One in the middle of the lower left quarter, one at the upper right.
+        assert_eq!(nearest(&[0.25, 1.0], &[0.25, 1.0], 2, 2), [0, 0, 0, 1]);
+        assert_eq!(nearest(&[0.1, 0.9], &[0.5, 0.5], 4, 1), [0, 0, 1, 1]);
     }
 }

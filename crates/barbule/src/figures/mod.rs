@@ -16,7 +16,7 @@ mod vision;
 
 pub use angle_law::{FollowedPeaks, angle_law};
 pub use atlas::{AtlasColours, atlas_map};
-pub use atlas_page::atlas_page;
+pub use atlas_page::{atlas_page, claim_atlas_page, write_atlas_page};
 pub use diffraction::{DIRECTIONS, Pattern, diffraction, diffraction_spectrum};
 pub use far_fields::{check_far_fields, far_fields};
 pub use inverse::inverse;

@@ -10,8 +10,9 @@ Dask is not needed for the rest of the package: ``pip install 'barbule[distribut
 
 from __future__ import annotations
 
+from ._atlas import atlas
 from ._calls import crystal, far_fields, spectrum
 from ._campaign import characterize, simulate
 from ._frames import render_frames
 
-__all__ = ["characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum"]
+__all__ = ["atlas", "characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum"]

@@ -169,13 +169,13 @@ def filled(
                 together = ceil(unit_seconds / seconds)
         else:
             before = len(missing)
-            compute(sweep, _runs(missing, together), cluster, **how)
+            compute(sweep, runs(missing, together), cluster, **how)
             if len(_missing(group)) == before:
                 raise MachineError(f"{sweep.store}: nothing has come; look whether all workers see the same store")
     return _dataset(sweep, group)
 
 
-def _runs(items: Sequence[int], together: int) -> list[range]:
+def runs(items: Sequence[int], together: int) -> list[range]:
     """Runs of neighbours, none longer than `together`."""
     runs: list[range] = []
     for item in items:

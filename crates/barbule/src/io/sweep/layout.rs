@@ -8,6 +8,7 @@ use super::super::arrays::Numbers;
 use super::super::store::{ATLAS, Files, difference};
 use super::super::whole::{failure, hash_bytes};
 use super::super::zarr::{DataType, Sharded, group_of};
+use crate::error::shortened;
 use crate::{Error, Result};
 
 /// The version of the layout; others are not read.
@@ -20,6 +21,9 @@ const MOST_FILE_BYTES: usize = 1 << 30;
 /// The folder of materials inside a store, and the array that ties files to their units.
 pub(super) const MATERIALS: &str = "materials";
 pub(super) const DIGEST: &str = "digest";
+
+/// The file in which a group or an array says what it is.
+pub(super) const GROUP: &str = "zarr.json";
 
 /// An axis with what stands along it.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,16 +150,17 @@ impl SweepLayout {
     /// Files of the finished store.
     #[must_use]
     pub fn files(&self) -> usize {
-        let named = self.named().count();
-        let materials = if self.with_materials { 1 + self.count() } else { 0 };
-        1 + 2 * named + self.arrays.len() + 1 + self.units() * (self.arrays.len() + 1) + materials
+        let materials = if self.with_materials { self.count() } else { 0 };
+        self.own_files().len() + self.units() * (self.arrays.len() + 1) + materials
     }
 
-    /// Bytes of the finished store's arrays; materials come on top.
+    /// Bytes of the finished store's files; materials come on top.
     #[must_use]
-    pub fn bytes(&self) -> usize {
-        let arrays = self.arrays.iter().map(|array| self.sharded(array).most_bytes());
-        self.units() * (arrays.sum::<usize>() + self.digest().most_bytes())
+    pub fn bytes(&self) -> u64 {
+        let arrays = self.arrays.iter().map(|array| self.sharded(array)).chain([self.digest()]);
+        let numbers: usize = arrays.map(|array| array.all_bytes()).sum();
+        let own: usize = self.own_files().iter().map(|(_, bytes)| bytes.len()).sum();
+        (numbers + own) as u64
     }
 
     /// Refuses what no store can be.
@@ -341,23 +346,26 @@ impl SweepLayout {
         arrays.chain(self.coordinates().into_iter().map(|(array, _)| array)).collect()
     }
 
+    /// The files that a store has without any unit, by their paths: what arrays say about themselves, values along axes, and the group's
+    /// metadata last.
+    pub(super) fn own_files(&self) -> Vec<(String, Vec<u8>)> {
+        let text = |metadata: &Value| format!("{metadata:#}\n").into_bytes();
+        let about = |name: &str| format!("{name}/{GROUP}");
+        let mut files: Vec<(String, Vec<u8>)> =
+            self.all().iter().map(|array| (about(&array.name), text(&array.metadata()))).collect();
+        files.extend(self.coordinates().into_iter().map(|(array, bytes)| (array.path(&[]), bytes)));
+        if self.with_materials {
+            files.push((about(MATERIALS), text(&materials_group())));
+        }
+        files.push((GROUP.into(), text(&self.group())));
+        files
+    }
+
     /// Writes the store `path` without units into the folder `made`.
     pub(super) fn build(&self, path: &Path, made: &Path) -> Result<()> {
         let files = Files::new(made);
         let refuse = |e: std::io::Error| failure(path, "the store cannot be created", &e);
-        let write = |key: &str, metadata: &Value| {
-            files.write(key, format!("{metadata:#}\n").as_bytes()).map_err(refuse)
-        };
-        for array in self.all() {
-            write(&format!("{}/zarr.json", array.name), &array.metadata())?;
-        }
-        for (array, bytes) in self.coordinates() {
-            files.write(&array.path(&[]), &bytes).map_err(refuse)?;
-        }
-        if self.with_materials {
-            write(&format!("{MATERIALS}/zarr.json"), &materials_group())?;
-        }
-        write("zarr.json", &self.group())?;
+        self.own_files().iter().try_for_each(|(key, bytes)| files.write(key, bytes)).map_err(refuse)?;
         files.tidy();
         Ok(())
     }
@@ -372,11 +380,11 @@ impl SweepLayout {
         if attributes["layout"] != json!(LAYOUT) {
             return refuse(format!(
                 "is not an atlas of this version (its layout is {}, this program's is {LAYOUT}); make it again under another name",
-                attributes["layout"]
+                shortened(&attributes["layout"].to_string())
             ));
         }
         if attributes["simd"] != json!(self.width) {
-            let width = attributes["simd"].as_str().unwrap_or_default();
+            let width = shortened(attributes["simd"].as_str().unwrap_or_default());
             return Err(Error::input(format!(
                 "was computed with {width} instructions, this run would use {}; give `width` {width} to continue it with the same bits",
                 self.width

@@ -12,15 +12,15 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use serde_json::Value;
 
-use self::layout::MATERIALS;
+use self::layout::{GROUP, MATERIALS};
 pub use self::layout::{MOST_CELLS, SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
 use super::output::{behind_links, is_inside_store};
-use super::store::{Files, Status, create_folder, sweep_beside};
+use super::store::{ATLAS, Announced, Deal, Files, Status, Survey, create_folder, sweep_beside};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::Sharded;
+use crate::progress::Shard;
 use crate::{Error, Result};
 
 /// Where the times of units are while the store is unfinished.
@@ -105,7 +105,7 @@ impl SweepStore {
         if !path.exists() {
             return Err(refuse("no such store"));
         }
-        let metadata = path.join("zarr.json");
+        let metadata = path.join(GROUP);
         if !metadata.is_file() {
             return Err(refuse("is not the store of an atlas (no zarr.json in it)"));
         }
@@ -117,6 +117,15 @@ impl SweepStore {
         Ok(Self { path: path.to_owned(), files: Files::new(path), layout, arrays, digest, hash })
     }
 
+    /// The SIMD instructions that the store `path` is computed with; `None` where there is none that can be read.
+    #[must_use]
+    pub fn width_of(path: &Path) -> Option<String> {
+        let group: Value = serde_json::from_str(&read_text(&path.join(GROUP)).ok()?).ok()?;
+        let attributes = &group["attributes"];
+        let width = attributes["simd"].as_str().filter(|_| attributes["barbule_store"] == ATLAS);
+        width.map(str::to_owned)
+    }
+
     /// What it is made of.
     #[must_use]
     pub fn layout(&self) -> &SweepLayout {
@@ -124,15 +133,16 @@ impl SweepStore {
     }
 
     /// Makes ready for writing: deletes what writers left that are no more, tries whether files can be written, and restores
-    /// coordinates that somebody changed or lost.
+    /// coordinates and metadata of arrays that somebody changed or lost.
     ///
     /// # Errors
     /// The store is not writable, or the disk is full.
     pub fn prepare_writing(&self) -> Result<()> {
         self.files.sweep();
+        // The group's own metadata were held against the plan; whoever wrote them anew may have laid them out otherwise.
+        let own = self.layout.own_files().into_iter().filter(|(key, _)| key != GROUP);
         let restored = || {
-            self.layout.coordinates().into_iter().try_for_each(|(array, bytes)| {
-                let key = array.path(&[]);
+            own.into_iter().try_for_each(|(key, bytes)| {
                 let is_there = self.files.read(&key, bytes.len()).is_some_and(|there| there == bytes);
                 if is_there { Ok(()) } else { self.files.write(&key, &bytes) }
             })
@@ -165,16 +175,24 @@ impl SweepStore {
         self.read(unit).is_some()
     }
 
+    /// Lets others see ([`Self::survey`]) that this process computes a part of the units, until what is given back is dropped.
+    /// Where this cannot be written, nobody sees it, and the work is the same.
+    #[must_use = "what is announced ends with it"]
+    pub fn announce(&self, shard: Shard) -> Announced<'_> {
+        self.files.announce(shard)
+    }
+
+    /// How far every unit is, and which processes compute; reads all units.
+    #[must_use]
+    pub fn survey(&self) -> Survey {
+        let key = |unit: usize| self.digest.path(&[unit]);
+        Survey::new(&self.files, self.layout.units(), Deal::InTurn, &key, &|unit| self.is_whole(unit))
+    }
+
     /// How many units are done, missing and damaged; reads them all.
     #[must_use]
     pub fn status(&self) -> Status {
-        let units = self.layout.units();
-        let count = |pick: &(dyn Fn(usize) -> bool + Sync)| {
-            (0..units).into_par_iter().filter(|unit| pick(*unit)).count()
-        };
-        let present = count(&|unit| self.is_done(unit));
-        let done = count(&|unit| self.is_whole(unit));
-        Status { units, done, damaged: present.saturating_sub(done) }
+        self.survey().status()
     }
 
     /// Seconds that units took that are there; none of a finished store.

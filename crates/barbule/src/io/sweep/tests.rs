@@ -93,11 +93,26 @@ fn coordinates_are_restored_and_other_stores_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("s.zarr");
     let store = SweepStore::create(&path, layout()).unwrap();
-    let file = path.join("a_um/c.0");
-    let before = fs::read(&file).unwrap();
-    fs::remove_file(&file).unwrap();
-    store.prepare_writing().unwrap();
-    assert_eq!(fs::read(&file).unwrap(), before);
+    for name in ["a_um/c.0", "mean/zarr.json", "digest/zarr.json"] {
+        let file = path.join(name);
+        let before = fs::read(&file).unwrap();
+        fs::remove_file(&file).unwrap();
+        store.prepare_writing().unwrap();
+        assert_eq!(fs::read(&file).unwrap(), before);
+        fs::write(&file, b"{}").unwrap();
+        store.prepare_writing().unwrap();
+        assert_eq!(fs::read(&file).unwrap(), before);
+    }
+    assert_eq!(
+        (SweepStore::width_of(&path).as_deref(), SweepStore::width_of(folder.path())),
+        (Some("scalar"), None)
+    );
+    let damaged = fs::read_to_string(path.join("zarr.json")).unwrap();
+    let lines = "x\\n".repeat(5000);
+    fs::write(path.join("zarr.json"), damaged.replace("\"scalar\"", &format!("\"{lines}\""))).unwrap();
+    let long = message(SweepStore::open(&path, layout()));
+    assert!(long.len() < 600 && !long.contains('\n'), "{long}");
+    fs::write(path.join("zarr.json"), damaged).unwrap();
     let other = SweepLayout { description: json!({"seed": 2}), ..layout() };
     assert!(message(SweepStore::create(&path, other)).contains("sweep.seed: 1 there, 2 here"));
     let wider = SweepLayout { width: "wide".into(), ..layout() };

@@ -87,6 +87,15 @@ impl Sharded {
         cells * (self.cell_len() * self.data_type.bytes() + CHECKSUM + PLACE) + CHECKSUM
     }
 
+    /// The bytes of all files: of each cell its values and their checksum, of each place of a block where it lies, and a checksum of these.
+    pub(in crate::io) fn all_bytes(&self) -> usize {
+        let cells: usize = self.cells.iter().map(|(_, length)| length).product();
+        let blocks = self.cells.iter().zip(&self.block).map(|((_, length), block)| length.div_ceil(*block));
+        let places: usize = self.block.iter().product();
+        cells * (self.cell_len() * self.data_type.bytes() + CHECKSUM)
+            + blocks.product::<usize>() * (places * PLACE + CHECKSUM)
+    }
+
     /// The bytes of a file: `values` are those of the cells that `is_there` names, in the order of the block. `None` where they
     /// are not as many, or not of the array's type.
     pub(in crate::io) fn encode<T: Element>(&self, is_there: &[bool], values: &[T]) -> Option<Vec<u8>> {
@@ -183,6 +192,9 @@ mod tests {
         assert!(array.decode::<f64>(&whole, &part).is_none() && array.decode::<f64>(&edge, &bytes).is_none());
         assert!(array.encode(&edge, &values).is_none() && array.encode(&whole, &[0_u8; 12]).is_none());
         assert_eq!(array.path(&[1, 2]), "mean/c.1.2.0");
+        // Blocks of four, two, two, one; two, one cells.
+        let (cell, places) = (3 * 8 + 4, 4 * 16 + 4);
+        assert_eq!(array.all_bytes(), 15 * cell + 6 * places);
     }
 
     #[test]
