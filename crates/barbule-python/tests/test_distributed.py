@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 import warnings
 from pathlib import Path
 
@@ -25,25 +26,39 @@ distributed = pytest.importorskip("distributed")
 BIRD = "starling:pink"
 #: A hundred units, of few individuals: a second of work.
 SMALL = {"wavelengths_nm": [450.0, 500.0, 550.0, 600.0, 650.0], "directions": (20, 2), "instances": 6}
-#: So short that there are dozens of tasks.
+#: A dozen units, for stores whose files take longer than what is in them.
+FEW = {"wavelengths_nm": [500.0, 600.0], "directions": (6, 2), "instances": 6}
+#: So short that there are many tasks.
 SHORT = 0.01
 
 
 @pytest.fixture(scope="module")
 def client():
+    dask = pytest.importorskip("dask")
     with (
+        # Workers that were killed take their time to come back where much else is done.
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
         yield client
 
 
+def by_one_process(folder, how):
+    """The store of one process, and its material."""
+    store = folder / "s.zarr"
+    barbule.simulate(BIRD, store, **how, progress=False)
+    return store, barbule.fit(store, progress=False)
+
+
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """The store of one process, and its material."""
-    store = tmp_path_factory.mktemp("alone") / "s.zarr"
-    barbule.simulate(BIRD, store, **SMALL, progress=False)
-    return store, barbule.fit(store, progress=False)
+    return by_one_process(tmp_path_factory.mktemp("alone"), SMALL)
+
+
+@pytest.fixture(scope="module")
+def few_alone(tmp_path_factory):
+    return by_one_process(tmp_path_factory.mktemp("few"), FEW)
 
 
 def files(folder):
@@ -76,7 +91,7 @@ def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
 
     def kill_one_then_all():
         for which in (slice(1), slice(None)):
-            while len(list(store.glob("digest/c.*"))) <= 30 * (len(killed) + 1):
+            while len(list(store.glob("digest/c.*"))) <= 20 * (len(killed) + 1):
                 time.sleep(0.005)
             # Somewhere in its next units.
             time.sleep(random.uniform(0.0, 0.1))
@@ -88,6 +103,7 @@ def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
     material = barbule.distributed.characterize(BIRD, client=client, store=store, **SMALL, unit_seconds=SHORT, progress=False)
     killer.join(timeout=5)
     assert len(killed) == 2
+    client.wait_for_workers(2)
     assert len(list(store.glob("digest/c.*"))) >= 100
     assert files(store) == files(alone[0])
     assert material.hash == alone[1].hash
@@ -129,23 +145,23 @@ def damage(store):
     sorted(store.glob("digest/c.*"))[-1].unlink()
 
 
-def test_what_is_damaged_or_lost_is_computed_again(client, alone, tmp_path):
+def test_what_is_damaged_or_lost_is_computed_again(client, few_alone, tmp_path):
     store = tmp_path / "s.zarr"
-    barbule.simulate(BIRD, store, **SMALL, progress=False)
+    barbule.simulate(BIRD, store, **FEW, progress=False)
     damage(store)
-    barbule.distributed.simulate(BIRD, store, client=client, **SMALL, unit_seconds=SHORT, progress=False)
-    assert files(store) == files(alone[0])
+    barbule.distributed.simulate(BIRD, store, client=client, **FEW, unit_seconds=SHORT, progress=False)
+    assert files(store) == files(few_alone[0])
 
 
-def test_a_store_elsewhere_has_the_same_files(client, alone, tmp_path):
+def test_a_store_elsewhere_has_the_same_files(client, few_alone, tmp_path):
     pytest.importorskip("fsspec")
     store = tmp_path / "far" / "s.zarr"
-    arguments = {"client": client, "store": f"file://{store}", **SMALL, "unit_seconds": SHORT, "progress": False}
-    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
-    assert files(store) == files(alone[0])
+    arguments = {"client": client, "store": f"file://{store}", **FEW, "unit_seconds": SHORT, "progress": False}
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == few_alone[1].hash
+    assert files(store) == files(few_alone[0])
     damage(store)
-    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
-    assert files(store) == files(alone[0])
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == few_alone[1].hash
+    assert files(store) == files(few_alone[0])
     with pytest.raises(barbule.InputError, match="other parameters"):
         barbule.distributed.characterize(BIRD, **(arguments | {"seed": 2}))
 
@@ -189,17 +205,32 @@ def bucket(monkeypatch):
         server.wait(timeout=20)
 
 
+def open_strictly(store, options):
+    """The shapes of a store's arrays, opened by xarray where every warning is an error."""
+    pytest.importorskip("xarray")
+    program = """
+import json, sys
+import xarray
+found = xarray.open_zarr(sys.argv[1], storage_options=json.loads(sys.argv[2]))
+print(json.dumps({name: [*array.shape] for name, array in found.load().variables.items()}))
+"""
+    # Of what comes with the object store's own packages they are not.
+    command = [sys.executable, "-W", "error", *(["-W", "ignore::DeprecationWarning:botocore"] if options else []), "-c", program]
+    found = subprocess.run([*command, store, json.dumps(options)], capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
+    return json.loads(found.stdout)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_object_stores_hold_the_same_objects(client, alone, bucket, tmp_path):
+def test_object_stores_hold_the_same_objects(client, few_alone, bucket, tmp_path):
     url, options, remote = bucket
-    arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **SMALL, "unit_seconds": SHORT}
+    arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **FEW, "unit_seconds": SHORT}
     material = barbule.distributed.characterize(BIRD, **arguments, progress=(killer := Killer(client)))
-    assert killer.has_killed and material.hash == alone[1].hash
+    assert killer.has_killed and material.hash == few_alone[1].hash
     remote.get("feathers/s.zarr", str(tmp_path / "copy"), recursive=True)
-    assert files(tmp_path / "copy") == files(alone[0])
-    xarray = pytest.importorskip("xarray")
-    there = xarray.open_zarr(f"{url}/s.zarr", storage_options=options)
-    assert there["u"].shape == xarray.open_zarr(alone[0])["u"].shape
+    assert files(tmp_path / "copy") == files(few_alone[0])
+    there, here = open_strictly(f"{url}/s.zarr", options), open_strictly(str(few_alone[0]), None)
+    assert there == here and there["u"] == [2, 6, 2, 2, 400]
     birds = barbule.distributed.spectrum(
         ["starling", "mallard"], [500, 600], client=client, store=f"{url}/spectra.zarr", storage_options=options, instances=2,
         progress=False,
@@ -532,6 +563,35 @@ def test_workers_begin_no_more_than_fits_their_memory():
         pass
     # More than there is, alone.
     task(20)
+
+
+def test_workers_give_back_what_nobody_has_used_for_a_while(tmp_path, monkeypatch):
+    from barbule.distributed import _worker
+
+    class Opened:
+        closed = 0
+
+        def prepare(self, folder, slots):
+            return self
+
+        def close(self):
+            self.closed += 1
+
+    monkeypatch.setattr(_worker, "IDLE_S", 0.05)
+    work = Opened()
+    plugin = _worker.Preparation("idle", work)
+    plugin.setup(types.SimpleNamespace(state=types.SimpleNamespace(nthreads=1), local_directory=tmp_path))
+    for opened in (1, 2):
+        with plugin.prepared() as prepared:
+            assert prepared is work
+            time.sleep(0.1)
+            assert work.closed == opened - 1
+        time.sleep(0.2)
+        assert work.closed == opened
+    plugin.teardown(None)
+    assert work.closed == 2 and not list(tmp_path.iterdir())
+    with pytest.raises(_worker.Stopped), plugin.prepared():
+        pass
 
 
 def test_a_worker_that_opens_another_structure_says_so(tmp_path):

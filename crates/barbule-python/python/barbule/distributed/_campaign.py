@@ -267,13 +267,13 @@ def characterize(
         raise InputError("a halo is kept in a folder beside the store; give a store in a folder that all workers see")
     how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}
     with tempfile.TemporaryDirectory(prefix="barbule-") as folder:
-        store = _Opened(work, opened, Path(folder))
-        store.campaign.check(sigma)
-        _fill(store, cluster, how)
+        here = _Opened(work, opened, Path(folder))
+        here.campaign.check(sigma)
+        _fill(here, cluster, how)
         if halo:
-            _fill_halo(store, cluster, how)
+            _fill_halo(here, cluster, how)
         with watched(progress) as watch:
-            return Material(store.campaign.material(sigma, halo, None, watch))
+            return Material(here.campaign.material(sigma, halo, None, watch))
 
 
 def _described(
