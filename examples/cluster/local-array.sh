@@ -44,7 +44,7 @@ worker() {
     trap '[ -z "$child" ] || kill "$child" 2>/dev/null; exit 130' TERM
     while [ "$shard" -lt "$shards" ]; do
         barbule simulate "$structure" -o "$store" "$@" --shard "$shard/$shards" --threads "${THREADS:-1}" \
-            --memory "${MEMORY:-1GiB}" ${SIMD:+--simd "$SIMD"} --quiet &
+            --memory "${MEMORY:-2GiB}" ${SIMD:+--simd "$SIMD"} --quiet &
         child=$!
         wait "$child" || failed=1
         child=

@@ -6,9 +6,10 @@
 # qsub hands a script no words of its own: what else `barbule simulate` is to be told stands in FLAGS, as in FLAGS="--thin 4";
 # commas part the variables of -v, so sets of numbers are written as ranges (400:700:20), or FLAGS is changed below.
 #
-# Again what was killed, deleted or ran out of time: the same line, or single tasks that
-# `barbule simulate STORE --status --shards 16` names, as in -J 7-9, with the same SHARDS. What is done is found and takes no
-# time. Then, once: qsub -W depend=afterok:JOB[] -- barbule fit "$PWD/starling.zarr" -o "$PWD/starling.barbule"
+# Again what was killed, deleted or ran out of time: the same line. What is done is found and takes no time. Fewer tasks are
+# one range of at least two, since -J takes no list, around those that `barbule simulate STORE --status --shards 16` names, as
+# in -J 7-9, with the same SHARDS. Then, once:
+# qsub -W depend=afterok:JOB[] -- barbule fit "$PWD/starling.zarr" -o "$PWD/starling.barbule"
 #
 # Store     on a file system that all nodes see. What is being written lies in it too: no other scratch space is needed.
 # Crystals  keep their orders in the cache: --cache DIR in a folder that all nodes see has them computed once.

@@ -98,6 +98,7 @@ pub(crate) fn atlas(
             let needed = memory_bytes(&atlas, progress)?;
             allowed.check("the atlas", needed, "fewer angles, wavelengths or individuals")?;
         }
+        let _announced = store.announce(shard);
         let outcome = run(&atlas, &store, &units, progress)?;
         drawn.draw(&atlas, &store)?;
         Ok((outcome.computed, outcome.found, outcome.repaired, outcome.seconds))

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 import warnings
 from pathlib import Path
 
@@ -18,32 +19,46 @@ import numpy as np
 import pytest
 
 import barbule
-from barbule.distributed import _engine, _work
+from barbule.distributed import _engine, _picture, _work
 
 distributed = pytest.importorskip("distributed")
 
 BIRD = "starling:pink"
 #: A hundred units, of few individuals: a second of work.
 SMALL = {"wavelengths_nm": [450.0, 500.0, 550.0, 600.0, 650.0], "directions": (20, 2), "instances": 6}
-#: So short that there are dozens of tasks.
+#: A dozen units, for stores whose files take longer than what is in them.
+FEW = {"wavelengths_nm": [500.0, 600.0], "directions": (6, 2), "instances": 6}
+#: So short that there are many tasks.
 SHORT = 0.01
 
 
 @pytest.fixture(scope="module")
 def client():
+    dask = pytest.importorskip("dask")
     with (
+        # Workers that were killed take their time to come back where much else is done.
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10 minutes"}),
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
         yield client
 
 
+def by_one_process(folder, how):
+    """The store of one process, and its material."""
+    store = folder / "s.zarr"
+    barbule.simulate(BIRD, store, **how, progress=False)
+    return store, barbule.fit(store, progress=False)
+
+
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
-    """The store of one process, and its material."""
-    store = tmp_path_factory.mktemp("alone") / "s.zarr"
-    barbule.simulate(BIRD, store, **SMALL, progress=False)
-    return store, barbule.fit(store, progress=False)
+    return by_one_process(tmp_path_factory.mktemp("alone"), SMALL)
+
+
+@pytest.fixture(scope="module")
+def few_alone(tmp_path_factory):
+    return by_one_process(tmp_path_factory.mktemp("few"), FEW)
 
 
 def files(folder):
@@ -61,11 +76,11 @@ def kill(client, which=slice(None)):
 class Killer:
     """Progress that kills all workers when a task has ended, once."""
 
-    def __init__(self, client):
-        self.client, self.has_killed = client, False
+    def __init__(self, client, label="simulating"):
+        self.client, self.label, self.has_killed = client, label, False
 
     def __call__(self, label, done, total):
-        if label == "simulating" and not self.has_killed and done < total:
+        if label == self.label and not self.has_killed and done < total:
             self.has_killed = True
             kill(self.client)
 
@@ -76,7 +91,7 @@ def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
 
     def kill_one_then_all():
         for which in (slice(1), slice(None)):
-            while len(list(store.glob("digest/c.*"))) <= 30 * (len(killed) + 1):
+            while len(list(store.glob("digest/c.*"))) <= 20 * (len(killed) + 1):
                 time.sleep(0.005)
             # Somewhere in its next units.
             time.sleep(random.uniform(0.0, 0.1))
@@ -88,6 +103,7 @@ def test_killed_workers_leave_the_bits_of_one_process(client, alone, tmp_path):
     material = barbule.distributed.characterize(BIRD, client=client, store=store, **SMALL, unit_seconds=SHORT, progress=False)
     killer.join(timeout=5)
     assert len(killed) == 2
+    client.wait_for_workers(2)
     assert len(list(store.glob("digest/c.*"))) >= 100
     assert files(store) == files(alone[0])
     assert material.hash == alone[1].hash
@@ -129,23 +145,23 @@ def damage(store):
     sorted(store.glob("digest/c.*"))[-1].unlink()
 
 
-def test_what_is_damaged_or_lost_is_computed_again(client, alone, tmp_path):
+def test_what_is_damaged_or_lost_is_computed_again(client, few_alone, tmp_path):
     store = tmp_path / "s.zarr"
-    barbule.simulate(BIRD, store, **SMALL, progress=False)
+    barbule.simulate(BIRD, store, **FEW, progress=False)
     damage(store)
-    barbule.distributed.simulate(BIRD, store, client=client, **SMALL, unit_seconds=SHORT, progress=False)
-    assert files(store) == files(alone[0])
+    barbule.distributed.simulate(BIRD, store, client=client, **FEW, unit_seconds=SHORT, progress=False)
+    assert files(store) == files(few_alone[0])
 
 
-def test_a_store_elsewhere_has_the_same_files(client, alone, tmp_path):
+def test_a_store_elsewhere_has_the_same_files(client, few_alone, tmp_path):
     pytest.importorskip("fsspec")
     store = tmp_path / "far" / "s.zarr"
-    arguments = {"client": client, "store": f"file://{store}", **SMALL, "unit_seconds": SHORT, "progress": False}
-    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
-    assert files(store) == files(alone[0])
+    arguments = {"client": client, "store": f"file://{store}", **FEW, "unit_seconds": SHORT, "progress": False}
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == few_alone[1].hash
+    assert files(store) == files(few_alone[0])
     damage(store)
-    assert barbule.distributed.characterize(BIRD, **arguments).hash == alone[1].hash
-    assert files(store) == files(alone[0])
+    assert barbule.distributed.characterize(BIRD, **arguments).hash == few_alone[1].hash
+    assert files(store) == files(few_alone[0])
     with pytest.raises(barbule.InputError, match="other parameters"):
         barbule.distributed.characterize(BIRD, **(arguments | {"seed": 2}))
 
@@ -189,17 +205,32 @@ def bucket(monkeypatch):
         server.wait(timeout=20)
 
 
+def open_strictly(store, options):
+    """The shapes of a store's arrays, opened by xarray where every warning is an error."""
+    pytest.importorskip("xarray")
+    program = """
+import json, sys
+import xarray
+found = xarray.open_zarr(sys.argv[1], storage_options=json.loads(sys.argv[2]))
+print(json.dumps({name: [*array.shape] for name, array in found.load().variables.items()}))
+"""
+    # Of what comes with the object store's own packages they are not.
+    command = [sys.executable, "-W", "error", *(["-W", "ignore::DeprecationWarning:botocore"] if options else []), "-c", program]
+    found = subprocess.run([*command, store, json.dumps(options)], capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
+    return json.loads(found.stdout)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
-def test_object_stores_hold_the_same_objects(client, alone, bucket, tmp_path):
+def test_object_stores_hold_the_same_objects(client, few_alone, bucket, tmp_path):
     url, options, remote = bucket
-    arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **SMALL, "unit_seconds": SHORT}
+    arguments = {"client": client, "store": f"{url}/s.zarr", "storage_options": options, **FEW, "unit_seconds": SHORT}
     material = barbule.distributed.characterize(BIRD, **arguments, progress=(killer := Killer(client)))
-    assert killer.has_killed and material.hash == alone[1].hash
+    assert killer.has_killed and material.hash == few_alone[1].hash
     remote.get("feathers/s.zarr", str(tmp_path / "copy"), recursive=True)
-    assert files(tmp_path / "copy") == files(alone[0])
-    xarray = pytest.importorskip("xarray")
-    there = xarray.open_zarr(f"{url}/s.zarr", storage_options=options)
-    assert there["u"].shape == xarray.open_zarr(alone[0])["u"].shape
+    assert files(tmp_path / "copy") == files(few_alone[0])
+    there, here = open_strictly(f"{url}/s.zarr", options), open_strictly(str(few_alone[0]), None)
+    assert there == here and there["u"] == [2, 6, 2, 2, 400]
     birds = barbule.distributed.spectrum(
         ["starling", "mallard"], [500, 600], client=client, store=f"{url}/spectra.zarr", storage_options=options, instances=2,
         progress=False,
@@ -278,6 +309,66 @@ def test_an_atlas_is_that_of_one_process(client, tmp_path):
             barbule.distributed.atlas(plan, refused, progress=False, **arguments)
 
 
+def timeless(value):
+    """Numbers without how long they took, and what made them."""
+    if isinstance(value, dict):
+        return {key: timeless(one) for key, one in value.items() if not key.endswith(("seconds", "speed_ratio", "made"))}
+    return [timeless(one) for one in value] if isinstance(value, list) else value
+
+
+FILM = "air/keratin:400±10%/air"
+COMPARISONS = {
+    "full-wave": {"wavelengths_nm": [600, 650], "phi_deg": [0], "elements_per_wavelength": 4.0, "individuals": 2},
+    "three-d": {"wavelengths_nm": [600], "instances": 2, "length_um": 6.0},
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("against", COMPARISONS)
+def test_comparisons_are_those_of_one_process(client, tmp_path, against):
+    options = COMPARISONS[against]
+    one = barbule.validate(FILM, tmp_path / "one", against, **options, progress=False)
+    killer = Killer(client, {"full-wave": "full waves", "three-d": "segments"}[against])
+    arguments = {"client": client, "unit_seconds": 1e-6, **options}
+    several = barbule.distributed.validate(FILM, tmp_path / "several", against, **arguments, progress=killer)
+    assert killer.has_killed
+    assert timeless(several) == timeless(one)
+    names = [{path.name for path in (tmp_path / name).rglob("*")} for name in ("one", "several")]
+    assert names[0] == names[1] and {"units", "numbers.json"} < names[0]
+    # Nothing is left to do, here or there.
+    again = barbule.distributed.validate(FILM, tmp_path / "one", against, **arguments, progress=False)
+    key = {"full-wave": "incidences", "three-d": "directions"}[against]
+    assert again[key] == one[key]
+
+
+def test_what_cannot_be_compared_is_refused(client, tmp_path):
+    for options, sentence in [
+        ({"against": "measured"}, "'against' is 'measured'"),
+        ({"instances": 3}, "'instances' is for segments"),
+        ({"against": "three-d", "phi_deg": [0]}, "'phi_deg' is for full waves"),
+        ({"individuals": 0}, "0 individuals are to be compared"),
+        ({"width_um": 6.0}, "'width_um' and 'layers' change species"),
+        ({"against": "three-d", "length_um": 0.1}, "'length_um' is 0.1"),
+        ({"phi_deg": [80]}, "'phi_deg': φ_i = 80°"),
+    ]:
+        for call, more in [(barbule.validate, {}), (barbule.distributed.validate, {"client": client})]:
+            with pytest.raises(barbule.InputError, match=sentence):
+                call(FILM, tmp_path / "v", **options, **more, progress=False)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'phi'"):
+        barbule.validate(FILM, tmp_path / "v", phi=[0], progress=False)
+    with pytest.raises(barbule.InputError, match="MB"):
+        barbule.validate(FILM, tmp_path / "v", memory_bytes=1000, **COMPARISONS["full-wave"], progress=False)
+    assert not (tmp_path / "v").exists()
+
+
+def test_tasks_hold_missing_units_that_take_long_enough():
+    from barbule.distributed._validate import _tasks
+
+    assert _tasks([0, 1, 2, 5, 6], [1.0] * 9, 2.0) == [range(0, 2), range(2, 6), range(6, 7)]
+    assert _tasks([3], [0.1] * 4, 2.0) == [range(3, 4)]
+    assert _tasks([0, 1, 2], [5.0, 5.0, 5.0], 4.0) == [range(0, 1), range(1, 2), range(2, 3)]
+
+
 def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     frames = barbule.Scene.load("starling").frames(3, {"light": 40})
     arguments = {"client": client, "size": (24, 16), "samples": 1, "memory_bytes": 1 << 29, "progress": False}
@@ -292,6 +383,58 @@ def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     assert [path.stat().st_mtime_ns == before for path, before in zip(again, times)] == [True, False, True]
     other = barbule.distributed.render_frames(frames[:1], tmp_path / "F.png", **(arguments | {"seed": 2}))
     assert other[0].stat().st_mtime_ns != times[0]
+
+
+class KillerOfPictures(Killer):
+    """Kills all workers when the first part has come, with what they had at work."""
+
+    def __call__(self, label, done, total):
+        super().__call__("simulating" if label == "tiles" else label, done, total + 1)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
+    # Exposed by what the whole picture shows.
+    scene = barbule.Scene.parse('preset = "starling"\nexposure = "auto"\n')
+    how = {"size": (90, 60), "samples": 8, "spectral_nm": [500, 600], "compositing": True}
+    arguments = {"client": client, "memory_bytes": 1 << 29, **how}
+    scene.render(**how, progress=False).save(tmp_path / "one.exr")
+    killer = KillerOfPictures(client, 1)
+    made = barbule.distributed.render(scene, tmp_path / "F.exr", tiles=1, unit_seconds=0.01, progress=killer, **arguments)
+    assert killer.times == 0 and made == tmp_path / "F.exr"
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    # The parts are gone, and the picture is not rendered again.
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".F.exr.json", "F.exr", "one.exr"]
+    time_ = made.stat().st_mtime_ns
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.stat().st_mtime_ns == time_
+    # What is damaged is rendered again, in parts that are there already.
+    made.write_bytes(b"half")
+    for number, bytes_ in [(0, b""), (2, b"BARBFILM and more")]:
+        (tmp_path / f"F.exr.part-{number}-of-3").write_bytes(bytes_)
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_pictures_that_cannot_be_made_are_refused_before_any_work(client, tmp_path):
+    for arguments, sentence in [
+        ({"output": tmp_path / "no" / "F.png"}, "in a folder that is there"),
+        ({"tiles": 0}, "'tiles' is 0; give a number from 1 to 2"),
+        ({"noise": 2.0}, "'noise' is 2"),
+        ({"scene": "starlign"}, "did you mean 'starling'"),
+        ({"denoise": tmp_path / "none.so"}, "none.so"),
+    ]:
+        whole = {"scene": "starling", "output": tmp_path / "F.png", "size": (40, 20), "client": client, "progress": False}
+        with pytest.raises(barbule.InputError, match=sentence):
+            barbule.distributed.render(**(whole | arguments))
+    work = _picture.PictureWork(
+        scene=("starling", None), output=str(tmp_path / "F.png"), media=(), cache=None, size=(40, 20), samples=1, noise=None, quality=None,
+        seed=1, spectral_nm=(), compositing=False, tone=None, white_balance=None, tiles=None, name="another",
+    )
+    with pytest.raises(barbule.InputError, match="is another one on this worker"):
+        work.prepare(tmp_path, 1)
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):
@@ -420,6 +563,35 @@ def test_workers_begin_no_more_than_fits_their_memory():
         pass
     # More than there is, alone.
     task(20)
+
+
+def test_workers_give_back_what_nobody_has_used_for_a_while(tmp_path, monkeypatch):
+    from barbule.distributed import _worker
+
+    class Opened:
+        closed = 0
+
+        def prepare(self, folder, slots):
+            return self
+
+        def close(self):
+            self.closed += 1
+
+    monkeypatch.setattr(_worker, "IDLE_S", 0.05)
+    work = Opened()
+    plugin = _worker.Preparation("idle", work)
+    plugin.setup(types.SimpleNamespace(state=types.SimpleNamespace(nthreads=1), local_directory=tmp_path))
+    for opened in (1, 2):
+        with plugin.prepared() as prepared:
+            assert prepared is work
+            time.sleep(0.1)
+            assert work.closed == opened - 1
+        time.sleep(0.2)
+        assert work.closed == opened
+    plugin.teardown(None)
+    assert work.closed == 2 and not list(tmp_path.iterdir())
+    with pytest.raises(_worker.Stopped), plugin.prepared():
+        pass
 
 
 def test_a_worker_that_opens_another_structure_says_so(tmp_path):

@@ -31,12 +31,12 @@ def cluster() -> SLURMCluster:
 
 
 def main() -> None:
-    """Ten jobs, 160 slots."""
+    """Up to ten jobs, 160 slots; those whose time is over are followed by others while there is work."""
     import barbule
     from distributed import Client
 
     with cluster() as jobs, Client(jobs) as client:
-        jobs.scale(jobs=10)
+        jobs.adapt(minimum_jobs=1, maximum_jobs=10)
         client.wait_for_workers(1)
         # A folder that every node sees.
         material = barbule.distributed.characterize("starling:green", client=client, store="starling-green.zarr")

@@ -1,6 +1,7 @@
 //! How work is shared out to several processes that do not know of each other.
 
 use std::fmt;
+use std::iter::StepBy;
 use std::ops::Range;
 use std::str::FromStr;
 
@@ -57,6 +58,12 @@ impl Shard {
         bound(self.number)..bound(self.number + 1)
     }
 
+    /// The places of this part's units where units are dealt out in turn: part i has every `of`-th from i on. Where neighbours take about
+    /// the same time, so do such parts.
+    pub fn every(self, count: usize) -> StepBy<Range<usize>> {
+        (self.number..count.max(self.number)).step_by(self.of)
+    }
+
     /// The places of this part's units where each takes another time, `costs` in any unit: parts of about equal time, of neighbours in the
     /// order of work. The same costs give the same parts.
     #[must_use]
@@ -83,10 +90,14 @@ impl FromStr for Shard {
 
     /// Reads `i/n`.
     fn from_str(text: &str) -> Result<Self> {
-        text.split_once('/')
-            .and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)))
-            .and_then(|(number, of)| Self::new(number, of).ok())
-            .ok_or_else(|| Error::input(format!("{}: write i/n with 0 <= i < n, as in 0/4", shortened(text))))
+        let refuse = |what: &str| Error::input(format!("{}: {what}", shortened(text)));
+        let numbers =
+            text.split_once('/').and_then(|(i, n)| Some((i.trim().parse().ok()?, n.trim().parse().ok()?)));
+        match numbers {
+            Some((number, of)) if number < of => Self::new(number, of)
+                .map_err(|_| refuse(&format!("work is cut into at most {MOST_SHARDS} parts"))),
+            _ => Err(refuse("write i/n with 0 <= i < n, as in 0/4")),
+        }
     }
 }
 
@@ -116,6 +127,17 @@ mod tests {
     }
 
     #[test]
+    fn parts_in_turn_are_together_everything() {
+        for (count, of) in [(0, 3), (7, 3), (2, 5), (1, 1)] {
+            let mut all: Vec<usize> =
+                (0..of).flat_map(|number| Shard::new(number, of).unwrap().every(count)).collect();
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>());
+        }
+        assert_eq!(Shard::new(1, 3).unwrap().every(7).collect::<Vec<_>>(), [1, 4]);
+    }
+
+    #[test]
     fn parts_by_cost_take_about_equal_time_and_are_together_everything() {
         let costs: Vec<f64> = (0..25).map(|w| (400.0 / (400.0 + 12.0 * f64::from(w))).powi(3)).collect();
         let all: f64 = costs.iter().sum();
@@ -136,13 +158,15 @@ mod tests {
 
     #[test]
     fn parts_that_are_none_are_refused() {
-        for bad in ["", "1", "2/2", "-1/2", "0/0", "1/2/3", "0/100001", "a/b", "0.5/2", "1/", "/2"] {
+        for bad in ["", "1", "2/2", "-1/2", "0/0", "1/2/3", "a/b", "0.5/2", "1/", "/2"] {
             let error = bad.parse::<Shard>().unwrap_err();
             assert!(
                 error.is_input() && error.to_string().ends_with("0 <= i < n, as in 0/4"),
                 "{bad}: {error}"
             );
         }
+        let error = "0/100001".parse::<Shard>().unwrap_err();
+        assert_eq!(error.to_string(), "0/100001: work is cut into at most 100000 parts");
         let read: Shard = " 3 / 16".parse().unwrap();
         assert_eq!((read, read.to_string()), (Shard::new(3, 16).unwrap(), "3/16".to_owned()));
         assert!(Shard::new(4, 4).unwrap_err().to_string().starts_with("part 4 of 4: "));

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use barbule::atlas::{Atlas, Forecast, Plan, foretell, run};
 use barbule::error::counted;
 use barbule::figures::{AtlasColours, atlas_map, atlas_page, claim_atlas_page, write_atlas_page};
+use barbule::io::store::Survey;
 use barbule::io::sweep::SweepStore;
 use barbule::math::simd::Width;
 use barbule::plot::Page;
@@ -16,7 +17,7 @@ use serde_json::{Value, json};
 use crate::common::{Common, duration, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use crate::shard;
+use crate::shard::{self, Parts};
 
 /// Arguments of `barbule atlas`.
 #[derive(Debug, clap::Args)]
@@ -24,6 +25,7 @@ use crate::shard;
     after_help = "Examples:\n  barbule atlas examples/atlas/films.toml -o films.zarr --picture films.svg\n  \
     barbule atlas examples/atlas/hummingbirds.toml --status\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --shard 0/4\n  \
+    barbule atlas examples/atlas/films.toml -o films.zarr --status --shards 4\n  \
     barbule atlas examples/atlas/films.toml -o films.zarr --page films\n\n\
     The same command goes on with a store that was interrupted. --status says what is done and what is left, or before the first unit what it will take."
 )]
@@ -37,9 +39,13 @@ pub(crate) struct Args {
     /// Only part i of n (i from 0) of the units, for several processes on one store
     #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
     shard: Option<Shard>,
-    /// Say what is done and what is left; of a store that is not there yet what it will take
-    #[arg(long, conflicts_with_all = ["page", "picture", "shard"])]
+    /// Say what is done, what is left and who computes; of a store that is not there yet what it will take
+    #[arg(long, conflicts_with_all = ["page", "picture"])]
     status: bool,
+    /// With --status: what of each of n parts is done [default: as many as those that run have]
+    #[arg(long, value_name = "n", requires = "status", conflicts_with = "shard", allow_hyphen_values = true,
+        value_parser = shard::count)]
+    shards: Option<usize>,
     /// Make a page of what is there in this folder: maps, spectra, a file of each structure
     #[arg(long, value_name = "FOLDER")]
     page: Option<PathBuf>,
@@ -78,7 +84,7 @@ impl Args {
         drop(progress);
         self.draw(&atlas, &store)?;
         if self.common.json {
-            let status = status(&atlas, &store);
+            let status = status(&atlas, &store, &store.survey());
             if let (Value::Object(all), Value::Object(status)) = (&mut document, status) {
                 all.extend(status);
             }
@@ -102,6 +108,7 @@ impl Args {
             self.common.check_memory("the atlas", forecast.memory_bytes, remedy)?;
             self.common.say(&words(&forecast));
         }
+        let _announced = store.announce(self.shard.unwrap_or(Shard::WHOLE));
         let outcome = run(atlas, store, &units, progress).map_err(|error| {
             if !error.is_interrupted() {
                 return error;
@@ -153,16 +160,20 @@ impl Args {
             Some(path) if path.exists() => Some(atlas.open(path)?),
             _ => None,
         };
-        let begun = store.filter(|store| (0..atlas.layout().units()).any(|unit| store.is_done(unit)));
-        let Some(store) = begun else {
+        let surveyed = store.map(|store| (store.survey(), store));
+        let is_begun =
+            |survey: &Survey| survey.status().missing() < survey.status().units || !survey.runs().is_empty();
+        let Some((survey, store)) = surveyed.filter(|(survey, _)| is_begun(survey)) else {
             let forecast = foretell(atlas, progress)?;
             return match self.common.json {
                 true => print_json(out, &forecast_json(atlas, &forecast)),
                 false => print(out, &format!("{}: {}", atlas.name(), words(&forecast))),
             };
         };
-        let document = status(atlas, &store);
+        let parts = Parts::of(&survey, self.shard, self.shards);
+        let mut document = status(atlas, &store, &survey);
         if self.common.json {
+            document["shards"] = parts.json();
             return print_json(out, &document);
         }
         let number = |key: &str| document[key].as_u64().unwrap_or(0);
@@ -181,13 +192,14 @@ impl Args {
             number("damaged"),
             number("bytes") as f64 / 1e6,
         );
-        print(out, &text)
+        print(out, &text)?;
+        parts.lines().iter().try_for_each(|line| print(out, line))
     }
 }
 
 /// How far a store is.
-fn status(atlas: &Atlas, store: &SweepStore) -> Value {
-    let (status, seconds) = (store.status(), store.seconds());
+fn status(atlas: &Atlas, store: &SweepStore, survey: &Survey) -> Value {
+    let (status, seconds) = (survey.status(), store.seconds());
     let left = status.units - status.done;
     let mean = seconds.iter().sum::<f64>() / seconds.len().max(1) as f64;
     let seconds_left = (left == 0 || !seconds.is_empty()).then_some(mean * left as f64);
@@ -201,6 +213,7 @@ fn status(atlas: &Atlas, store: &SweepStore) -> Value {
         "seconds_left": seconds_left,
         "bytes": store.bytes(),
         "simd": store.layout().width,
+        "running": shard::running(survey),
     })
 }
 

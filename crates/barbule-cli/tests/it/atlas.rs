@@ -101,6 +101,45 @@ fn a_status_foretells_then_counts() {
     assert_eq!(bytes_of(&at.join("s.zarr")).len() as u64, before["files"].as_u64().unwrap());
 }
 
+#[cfg(unix)]
+#[test]
+fn a_part_that_runs_is_seen_and_one_that_was_killed_is_named() {
+    let folder = with_plan();
+    let at = folder.path();
+    let slow = PLAN.replace("individuals = 3", "individuals = 200");
+    std::fs::write(at.join("plan.toml"), slow).unwrap();
+    let read = |more: &[&str]| -> Value {
+        let words = [&["plan.toml", "-o", "s.zarr", "--status", "--json"], more].concat();
+        serde_json::from_str(&succeed(at, &words).0).unwrap()
+    };
+    let states = |told: &Value| -> Vec<String> {
+        let parts = told["shards"]["parts"].as_array().unwrap();
+        parts.iter().map(|part| part["state"].as_str().unwrap().to_owned()).collect()
+    };
+    let mut child =
+        command(at, &["plan.toml", "-o", "s.zarr", "--shard", "1/2", "--threads", "1"]).spawn().unwrap();
+    let begun = std::time::Instant::now();
+    let times = || std::fs::read_dir(at.join("s.zarr/.times")).map_or(0, Iterator::count);
+    while times() == 0 && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Held where it is, so that what is told of it can be looked at.
+    assert!(Command::new("kill").args(["-STOP", &child.id().to_string()]).status().unwrap().success());
+    let told = read(&[]);
+    assert_eq!(states(&told), ["waiting", "running"], "{told}");
+    assert_eq!(told["running"][0]["process"], child.id());
+    let (text, _) = succeed(at, &["plan.toml", "-o", "s.zarr", "--status"]);
+    assert!(text.contains("shard 1/2: ") && text.contains("to be started (again): 0\n"), "{text}");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(states(&read(&[])), ["waiting", "killed"]);
+    succeed(at, &["plan.toml", "-o", "s.zarr", "--shard", "1/2"]);
+    // Units are dealt out in turn.
+    assert_eq!(states(&read(&["--shards", "2"])), ["waiting", "done"]);
+    assert_eq!(read(&["--shards", "4"])["shards"]["to_start"], serde_json::json!([0, 2]));
+    assert_eq!(states(&read(&["--shard", "3/4"])), ["done"]);
+}
+
 #[test]
 fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     let folder = with_plan();

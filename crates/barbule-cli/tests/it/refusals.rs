@@ -247,7 +247,7 @@ const LINES: &[(&str, &str)] = &[
     ("simulate starling -o @s.zarr --shard 0/0", "0 <= i < n"),
     ("simulate starling -o @s.zarr --shard 1", "0 <= i < n"),
     ("simulate starling -o @s.zarr --shard 1/2/3", "0 <= i < n"),
-    ("simulate starling -o @s.zarr --shard 0/100001", "0 <= i < n"),
+    ("simulate starling -o @s.zarr --shard 0/100001", "at most 100000 parts"),
     ("simulate starling -o @s.zarr --simd mmx", "mmx"),
     ("simulate starling -o @s.zarr --keep-fields 401", "does not simulate"),
     ("simulate starling -o @s.zarr --keep-fields x", "not a number"),

@@ -311,7 +311,16 @@ fn a_store_that_cannot_be_written_is_refused_before_work_unless_it_is_finished()
     let Some(disk) = Disk::new("20m") else { return };
     let store = disk.0.path().join("s.zarr");
     assert!(simulate(&store, &["--shard", "0/2"]).status.success());
+    // What a killed process leaves is known where nothing can be written, too.
+    std::fs::create_dir(store.join(".aside")).unwrap();
+    std::fs::write(store.join(".aside/run-1-2-1700000000-77-killed"), b"").unwrap();
     disk.remount("ro");
+    let told = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
+        .args(["simulate", "--status"])
+        .arg(&store)
+        .output()
+        .unwrap();
+    assert!(String::from_utf8_lossy(&told.stdout).contains("units, killed\n"), "{told:?}");
     let output = simulate(&store, &[]);
     assert_eq!(output.status.code(), Some(2));
     assert!(message(&output).contains("the store cannot be written (Read-only"), "{}", message(&output));

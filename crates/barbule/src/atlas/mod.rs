@@ -210,7 +210,7 @@ impl Atlas {
     /// The units of work of one of several parts: every so manieth, so that all parts take about as long.
     #[must_use]
     pub fn units(&self, shard: Shard) -> Vec<usize> {
-        (shard.number()..self.layout.units()).step_by(shard.of()).collect()
+        shard.every(self.layout.units()).collect()
     }
 
     /// The sizes of a cell by their keys, in the order of the plan.

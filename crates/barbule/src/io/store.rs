@@ -14,7 +14,6 @@ mod survey;
 mod tests;
 
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
 use num_complex::Complex;
 use serde_json::{Value, json};
@@ -23,12 +22,13 @@ pub(super) use self::aside::{Files, create_folder, sweep_beside};
 use self::coordinates::Coordinate;
 use self::layout::{ARRAYS, Arrays, Attributes};
 pub(super) use self::layout::{ATLAS, difference};
-use self::running::Own;
 pub use self::running::{Announced, Run};
+pub(super) use self::survey::Deal;
 pub use self::survey::{Part, Survey};
 use super::output::{behind_links, is_inside_store};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::{Array, Element};
+use crate::progress::Shard;
 use crate::scattering::statistics::{Axes, Statistics, Unit, UnitStatistics};
 use crate::{Error, Result};
 
@@ -59,8 +59,6 @@ pub struct Store {
     arrays: Arrays,
     /// BLAKE3 of the attributes, in hexadecimal.
     hash: String,
-    /// What says that this process computes, while it does.
-    own: Mutex<Option<Own>>,
 }
 
 impl Store {
@@ -153,7 +151,7 @@ impl Store {
         }
         let hash = attributes.hash();
         let (path, files) = (path.to_owned(), Files::new(path));
-        Ok(Self { path, files, attributes, arrays, hash, own: Mutex::default() })
+        Ok(Self { path, files, attributes, arrays, hash })
     }
 
     /// Refuses to be filled by a campaign with other axes or another number of instances.
@@ -187,6 +185,33 @@ impl Store {
         self.files.sweep();
         self.files.tidy();
         aside::sweep_beside(&self.path);
+    }
+
+    /// Lets others see ([`Self::survey`]) that this process computes a part of the units, until what is given back is dropped.
+    /// Where this cannot be written, nobody sees it, and the work is the same.
+    #[must_use = "what is announced ends with it"]
+    pub fn announce(&self, shard: Shard) -> Announced<'_> {
+        self.files.announce(shard)
+    }
+
+    /// As [`Self::announce`], until [`Self::leave`] or the end of this value.
+    pub(crate) fn enter(&self, shard: Shard) {
+        self.files.enter(shard);
+    }
+
+    /// Ends what [`Self::enter`] began.
+    pub(crate) fn leave(&self) {
+        self.files.leave();
+    }
+
+    /// How far every unit is, and which processes compute; reads all units.
+    #[must_use]
+    pub fn survey(&self) -> Survey {
+        let units: Vec<_> = self.units().collect();
+        let key = |at: usize| self.arrays.digest.chunk_path(&[units[at].0, units[at].1]);
+        Survey::new(&self.files, units.len(), Deal::Neighbours, &key, &|at| {
+            self.is_whole(units[at].0, units[at].1)
+        })
     }
 
     /// How many units are done, missing and damaged; reads them all.
@@ -327,7 +352,6 @@ impl Store {
         digests[7] = self.write_chunk(&arrays[7], at, &unit.contrast)?;
         digests[8] = self.write_chunk(&arrays[8], at, &unit.glints)?;
         self.write_chunk(&self.arrays.digest, at, &digests)?;
-        self.show_life();
         Ok(())
     }
 

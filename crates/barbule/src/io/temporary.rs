@@ -57,7 +57,8 @@ pub(super) fn abandoned(path: &Path) -> Option<io::Result<File>> {
     let opened = if metadata.is_dir() {
         File::open(path)
     } else if metadata.is_file() {
-        File::options().read(true).write(true).open(path)
+        // Locks across a network may ask for a file that can be written; of others' files, and where nothing can be, those that are read do.
+        File::options().read(true).write(true).open(path).or_else(|_| File::open(path))
     } else {
         return None;
     };

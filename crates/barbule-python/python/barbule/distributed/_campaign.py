@@ -18,7 +18,7 @@ from .._native import Structure
 from .._opening import Name, structure_of
 from .._progress import ProgressLike, watched
 from ..errors import InputError, MachineError
-from ._engine import UNIT_SECONDS, Cluster, asked, compute
+from ._engine import UNIT_SECONDS, Cluster, asked, compute, refuse_unlike
 from ._mirror import Mirror, is_url, options_text
 from ._work import Watch, identity_of, opened_alike, placed, placed_media
 
@@ -246,7 +246,7 @@ def characterize(
         thin: As for `barbule.characterize`.
         seed: As for `barbule.characterize`.
         mirror: As for `barbule.characterize`.
-        halo: As for `barbule.characterize`; workers must have the same SIMD instructions then.
+        halo: As for `barbule.characterize`.
         sigma: The spread along the barbule; 0.04 without.
         storage_options: As for `simulate`, and so the next ones.
         cache: As for `simulate`.
@@ -263,19 +263,17 @@ def characterize(
     """
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     work, opened, cluster = _described(structure, store, options, (), storage_options, cache, media, simd, unit_seconds, client)
-    if halo and not cluster.are_alike:
-        raise InputError("a halo needs workers that have the same widest SIMD instructions as this process; choose alike machines")
     if halo and is_url(work.store):
         raise InputError("a halo is kept in a folder beside the store; give a store in a folder that all workers see")
     how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}
     with tempfile.TemporaryDirectory(prefix="barbule-") as folder:
-        store = _Opened(work, opened, Path(folder))
-        store.campaign.check(sigma)
-        _fill(store, cluster, how)
+        here = _Opened(work, opened, Path(folder))
+        here.campaign.check(sigma)
+        _fill(here, cluster, how)
         if halo:
-            _fill_halo(store, cluster, how)
+            _fill_halo(here, cluster, how)
         with watched(progress) as watch:
-            return Material(store.campaign.material(sigma, halo, None, watch))
+            return Material(here.campaign.material(sigma, halo, None, watch))
 
 
 def _described(

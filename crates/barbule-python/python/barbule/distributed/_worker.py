@@ -23,6 +23,9 @@ MEMORY = "barbule-memory"
 #: How often a task that waits for memory looks whether it is still wanted, s.
 LOOK_S = 0.1
 
+#: After how long without a task a worker gives back what it has prepared, s: the client may be gone without a word.
+IDLE_S = 60.0
+
 #: The names of work that is to stop, in this process.
 _stopping: set[str] = set()
 
@@ -100,24 +103,47 @@ class Preparation(WorkerPlugin):  # type: ignore[misc, unused-ignore]
         self._lock = threading.Lock()
         self._slots = worker.state.nthreads
         self._prepared: Prepared | None = None
+        self._users = 0
+        self._idle = threading.Timer(IDLE_S, self._give_back)
         self._folder = Path(tempfile.mkdtemp(prefix="barbule-", dir=worker.local_directory))
 
     def teardown(self, worker: Any) -> None:
         """Stops what still runs, and forgets."""
         stop(self.name)
-        prepared, self._prepared = self._prepared, None
-        if prepared is not None:
-            prepared.close()
+        self._idle.cancel()
+        self._close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def prepared(self) -> Prepared:
-        """The work, opened."""
+    @contextmanager
+    def prepared(self) -> Iterator[Prepared]:
+        """The work, opened as long as tasks need it and a while longer."""
         with self._lock:
             if self.name in _stopping:
                 raise Stopped(f"{self.name} was stopped")
+            self._idle.cancel()
             if self._prepared is None:
                 self._prepared = self._work.prepare(self._folder, self._slots)
-            return self._prepared
+            prepared = self._prepared
+            self._users += 1
+        try:
+            yield prepared
+        finally:
+            with self._lock:
+                self._users -= 1
+                if not self._users and self._prepared is not None:
+                    self._idle = threading.Timer(IDLE_S, self._give_back)
+                    self._idle.daemon = True
+                    self._idle.start()
+
+    def _give_back(self) -> None:
+        with self._lock:
+            if not self._users:
+                self._close()
+
+    def _close(self) -> None:
+        prepared, self._prepared = self._prepared, None
+        if prepared is not None:
+            prepared.close()
 
 
 def run_items(name: str, number: int, first: int, end: int, threads: int, memory_bytes: float) -> int:
@@ -127,8 +153,7 @@ def run_items(name: str, number: int, first: int, end: int, threads: int, memory
     if not isinstance(plugin, Preparation):
         raise MachineError("the worker does not know this work any more; call the same function again to go on")
     watch = _watch(name, worker, worker.get_current_task())
-    with _budget.share(memory_bytes, _memory_bytes(worker), watch):
-        prepared = plugin.prepared()
+    with _budget.share(memory_bytes, _memory_bytes(worker), watch), plugin.prepared() as prepared:
         for item in range(first, end):
             watch("", item, end)
             prepared.run(item, threads, watch)

@@ -5,6 +5,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::time::{Duration, SystemTime};
 
 use super::running;
@@ -23,12 +24,14 @@ const PREFIX: &str = "new-";
 pub(in crate::io) struct Files {
     folder: PathBuf,
     aside: PathBuf,
+    /// What says that this process fills them, while it does.
+    pub(super) own: Mutex<Option<running::Own>>,
 }
 
 impl Files {
     /// The files in the folder `path`.
     pub(in crate::io) fn new(path: &Path) -> Self {
-        Self { folder: path.to_owned(), aside: path.join(FOLDER) }
+        Self { folder: path.to_owned(), aside: path.join(FOLDER), own: Mutex::default() }
     }
 
     /// Whether there is a file of this key.
@@ -59,6 +62,7 @@ impl Files {
 
     /// Writes a file aside, then renames it over what is there.
     pub(in crate::io) fn write(&self, key: &str, bytes: &[u8]) -> io::Result<()> {
+        self.show_life();
         let path = self.folder.join(key);
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;

@@ -3,14 +3,13 @@
 //! Each keeps a file of its own in the folder of temporaries for as long as it computes, under a lock that ends with the process; its name
 //! says who it is. So others see which parts of a campaign run, and which were killed. Nothing of it stays in a finished store.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, DirEntry, File, FileType, TryLockError};
 use std::io::{self, ErrorKind};
 use std::sync::{MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tempfile::NamedTempFile;
 
-use super::Store;
 use super::aside::Files;
 use crate::clock;
 use crate::io::temporary::{ATTEMPTS, abandoned, shared};
@@ -46,7 +45,8 @@ pub(super) struct Own {
 }
 
 /// Says that this process fills a store, as long as this lives.
-pub struct Announced<'a>(&'a Store);
+#[derive(Debug)]
+pub struct Announced<'a>(&'a Files);
 
 impl Drop for Announced<'_> {
     fn drop(&mut self) {
@@ -54,28 +54,28 @@ impl Drop for Announced<'_> {
     }
 }
 
-impl Store {
-    /// Lets others see ([`Self::survey`]) that this process computes a part of the units, until what is given back is dropped.
+impl Files {
+    /// Lets others see ([`Survey`](super::Survey)) that this process computes a part of the units, until what is given back is dropped.
     /// Where this cannot be written, nobody sees it, and the work is the same.
     #[must_use = "what is announced ends with it"]
-    pub fn announce(&self, shard: Shard) -> Announced<'_> {
+    pub(in crate::io) fn announce(&self, shard: Shard) -> Announced<'_> {
         self.enter(shard);
         Announced(self)
     }
 
     /// As [`Self::announce`], until [`Self::leave`] or the end of this value.
-    pub(crate) fn enter(&self, shard: Shard) {
+    pub(in crate::io) fn enter(&self, shard: Shard) {
         let now = clock::now();
-        *self.own() = self.files.announce(&name_of(shard, now)).ok().map(|file| Own { file, touched: now });
+        *self.own() = self.announcement(&name_of(shard, now)).ok().map(|file| Own { file, touched: now });
     }
 
     /// Ends what [`Self::enter`] began.
-    pub(crate) fn leave(&self) {
+    pub(in crate::io) fn leave(&self) {
         // Not while it is locked.
         let own = self.own().take();
         if own.is_some() {
             drop(own);
-            self.files.tidy();
+            self.tidy();
         }
     }
 
@@ -95,17 +95,8 @@ impl Store {
         }
     }
 
-    /// All processes of which the store knows, by their parts.
-    pub(super) fn runs(&self, now: SystemTime) -> Vec<Run> {
-        let mut runs = self.files.announced(now);
-        runs.sort_by_key(|run| (run.shard.of(), run.shard.number(), !run.is_alive, run.since));
-        runs
-    }
-}
-
-impl Files {
     /// A locked file of its own for this process.
-    fn announce(&self, name: &str) -> io::Result<NamedTempFile> {
+    fn announcement(&self, name: &str) -> io::Result<NamedTempFile> {
         for _ in 0..ATTEMPTS {
             fs::create_dir_all(self.aside())?;
             let file = match shared(false).prefix(name).tempfile_in(self.aside()) {
@@ -122,19 +113,19 @@ impl Files {
         Err(ErrorKind::NotFound.into())
     }
 
-    /// What all processes announced, those that are no more among them.
-    fn announced(&self, now: SystemTime) -> Vec<Run> {
+    /// All processes that announced themselves, those that are no more among them; by their parts.
+    pub(super) fn runs(&self, now: SystemTime) -> Vec<Run> {
         let Ok(entries) = fs::read_dir(self.aside()) else { return Vec::new() };
-        entries
-            .take(MOST)
-            .flatten()
-            .filter_map(|entry| {
-                let (shard, begun, process) = read_name(entry.file_name().to_str()?)?;
-                let left: Option<io::Result<File>> = abandoned(&entry.path());
-                let since = now.duration_since(begun).unwrap_or_default();
-                Some(Run { shard, process, since, is_alive: left.is_none() })
-            })
-            .collect()
+        let one = |entry: DirEntry| {
+            let (shard, begun, process) = read_name(entry.file_name().to_str()?)?;
+            entry.file_type().ok().filter(FileType::is_file)?;
+            let left: Option<io::Result<File>> = abandoned(&entry.path());
+            let since = now.duration_since(begun).unwrap_or_default();
+            Some(Run { shard, process, since, is_alive: left.is_none() })
+        };
+        let mut runs: Vec<Run> = entries.take(MOST).flatten().filter_map(one).collect();
+        runs.sort_by_key(|run| (run.shard.of(), run.shard.number(), !run.is_alive, run.since));
+        runs
     }
 }
 
@@ -180,20 +171,21 @@ mod tests {
     fn the_living_are_told_from_the_killed() {
         let folder = tempfile::tempdir().unwrap();
         let files = Files::new(folder.path());
-        assert!(files.announced(clock::now()).is_empty());
+        assert!(files.runs(clock::now()).is_empty());
         let (now, shard) = (clock::now(), Shard::new(1, 4).unwrap());
-        let own = files.announce(&name_of(shard, now)).unwrap();
+        let own = files.announcement(&name_of(shard, now)).unwrap();
         fs::write(folder.path().join(".aside/run-2-4-1800000000-77-dead"), b"").unwrap();
         fs::write(folder.path().join(".aside/new-half"), b"half").unwrap();
         let later = now + Duration::from_secs(90);
-        let mut runs = files.announced(later);
-        runs.sort_by_key(|run| run.shard.number());
+        // No file of a process.
+        fs::create_dir(folder.path().join(".aside/run-3-4-1800000000-78-folder")).unwrap();
+        let runs = files.runs(later);
         assert_eq!(runs.iter().map(|run| run.is_alive).collect::<Vec<_>>(), [true, false]);
         assert_eq!((runs[0].process, runs[1].process), (std::process::id(), 77));
         // Whole seconds stand in names.
         assert!((90..92).contains(&runs[0].since.as_secs()));
         // What the living have stays, and goes with them.
-        assert_eq!(files.sweep(), 2);
+        assert_eq!(files.sweep(), 3);
         assert!(own.path().exists());
         drop(own);
         files.tidy();

@@ -5,7 +5,7 @@ use std::time::Duration;
 use rayon::prelude::*;
 
 use super::running::Run;
-use super::{Status, Store};
+use super::{Files, Status};
 use crate::clock;
 use crate::progress::Shard;
 
@@ -19,9 +19,19 @@ enum Found {
     Whole(Duration),
 }
 
+/// How the units of a store are dealt out to parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::io) enum Deal {
+    /// [`Shard::range`].
+    Neighbours,
+    /// [`Shard::every`].
+    InTurn,
+}
+
 /// How far every unit of a store is, and which processes compute.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Survey {
+    deal: Deal,
     /// In the order of work.
     found: Vec<Found>,
     /// In the order of their parts.
@@ -56,6 +66,28 @@ impl Part {
 }
 
 impl Survey {
+    /// Reads all of `count` units, and looks who computes: a unit is there if the file of its `key` is, the last that is written of it.
+    pub(in crate::io) fn new(
+        files: &Files,
+        count: usize,
+        deal: Deal,
+        key: &(dyn Fn(usize) -> String + Sync),
+        is_whole: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Self {
+        let now = clock::now();
+        // First: who ends meanwhile has finished units.
+        let runs = files.runs(now);
+        let found = |unit: usize| {
+            let key = key(unit);
+            match files.has(&key) {
+                false => Found::Nothing,
+                true if is_whole(unit) => Found::Whole(files.age(&key, now)),
+                true => Found::Damaged,
+            }
+        };
+        Self { deal, found: (0..count).into_par_iter().map(found).collect(), runs }
+    }
+
     /// How many units are done, missing and damaged.
     #[must_use]
     pub fn status(&self) -> Status {
@@ -84,8 +116,12 @@ impl Survey {
     /// How far a part is.
     #[must_use]
     pub fn part(&self, shard: Shard) -> Part {
-        let found = &self.found[shard.range(self.found.len())];
-        let status = status(found);
+        let all = &self.found;
+        let found: Vec<Found> = match self.deal {
+            Deal::Neighbours => all[shard.range(all.len())].to_vec(),
+            Deal::InTurn => shard.every(all.len()).map(|unit| all[unit]).collect(),
+        };
+        let status = status(&found);
         // They are sorted by their parts, the living before the killed.
         let order = |shard: Shard| (shard.of(), shard.number());
         let at = self.runs.partition_point(|run| order(run.shard) < order(shard));
@@ -106,31 +142,6 @@ fn status(found: &[Found]) -> Status {
         units: found.len(),
         done: count(|one| matches!(one, Found::Whole(_))),
         damaged: count(|one| *one == Found::Damaged),
-    }
-}
-
-impl Store {
-    /// Reads all units, and looks who computes.
-    #[must_use]
-    pub fn survey(&self) -> Survey {
-        let now = clock::now();
-        // First: who ends meanwhile has finished units.
-        let runs = self.runs(now);
-        let units: Vec<_> = self.units().collect();
-        let found = units
-            .par_iter()
-            .map(|&(wavelength, theta)| {
-                if !self.is_done(wavelength, theta) {
-                    Found::Nothing
-                } else if self.is_whole(wavelength, theta) {
-                    let key = self.arrays.digest.chunk_path(&[wavelength, theta]);
-                    Found::Whole(self.files.age(&key, now))
-                } else {
-                    Found::Damaged
-                }
-            })
-            .collect();
-        Survey { found, runs }
     }
 }
 
@@ -157,10 +168,18 @@ mod tests {
             Found::Nothing,
             Found::Nothing,
         ];
-        let survey = Survey { found, runs: vec![run(0, 2, 100, true), run(1, 2, 500, false)] };
+        let survey = |deal: Deal| {
+            let runs = vec![run(0, 2, 100, true), run(1, 2, 500, false)];
+            Survey { deal, found: found.clone(), runs }
+        };
+        let halves = |survey: &Survey| [0, 1].map(|i| survey.part(Shard::new(i, 2).unwrap()));
+        let in_turn = survey(Deal::InTurn);
+        let done = halves(&in_turn).map(|part| (part.status.done, part.status.damaged));
+        assert_eq!(done, [(3, 0), (1, 1)]);
+        let survey = survey(Deal::Neighbours);
         assert_eq!(survey.status(), Status { units: 8, done: 4, damaged: 1 });
         assert_eq!(survey.shards(), Some(2));
-        let [first, second] = [0, 1].map(|i| survey.part(Shard::new(i, 2).unwrap()));
+        let [first, second] = halves(&survey);
         assert_eq!(first.status, Status { units: 4, done: 3, damaged: 0 });
         // Two units in 100 s, and one is left.
         assert!(first.is_running() && !first.is_done());
@@ -174,7 +193,7 @@ mod tests {
 
     #[test]
     fn those_that_compute_decide_how_work_is_shared_out() {
-        let shards = |runs: Vec<Run>| Survey { found: Vec::new(), runs }.shards();
+        let shards = |runs: Vec<Run>| Survey { deal: Deal::Neighbours, found: Vec::new(), runs }.shards();
         assert_eq!(shards(vec![]), None);
         assert_eq!(shards(vec![run(0, 4, 1, true), run(1, 4, 1, true), run(0, 16, 1, false)]), Some(4));
         assert_eq!(shards(vec![run(0, 4, 1, true), run(0, 1, 1, true)]), None);

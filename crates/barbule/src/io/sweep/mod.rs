@@ -12,15 +12,15 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use rayon::prelude::*;
 use serde_json::Value;
 
 use self::layout::{GROUP, MATERIALS};
 pub use self::layout::{MOST_CELLS, SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
 use super::output::{behind_links, is_inside_store};
-use super::store::{ATLAS, Files, Status, create_folder, sweep_beside};
+use super::store::{ATLAS, Announced, Deal, Files, Status, Survey, create_folder, sweep_beside};
 use super::whole::{failure, folder_of, read_text};
 use super::zarr::Sharded;
+use crate::progress::Shard;
 use crate::{Error, Result};
 
 /// Where the times of units are while the store is unfinished.
@@ -175,16 +175,24 @@ impl SweepStore {
         self.read(unit).is_some()
     }
 
+    /// Lets others see ([`Self::survey`]) that this process computes a part of the units, until what is given back is dropped.
+    /// Where this cannot be written, nobody sees it, and the work is the same.
+    #[must_use = "what is announced ends with it"]
+    pub fn announce(&self, shard: Shard) -> Announced<'_> {
+        self.files.announce(shard)
+    }
+
+    /// How far every unit is, and which processes compute; reads all units.
+    #[must_use]
+    pub fn survey(&self) -> Survey {
+        let key = |unit: usize| self.digest.path(&[unit]);
+        Survey::new(&self.files, self.layout.units(), Deal::InTurn, &key, &|unit| self.is_whole(unit))
+    }
+
     /// How many units are done, missing and damaged; reads them all.
     #[must_use]
     pub fn status(&self) -> Status {
-        let units = self.layout.units();
-        let count = |pick: &(dyn Fn(usize) -> bool + Sync)| {
-            (0..units).into_par_iter().filter(|unit| pick(*unit)).count()
-        };
-        let present = count(&|unit| self.is_done(unit));
-        let done = count(&|unit| self.is_whole(unit));
-        Status { units, done, damaged: present.saturating_sub(done) }
+        self.survey().status()
     }
 
     /// Seconds that units took that are there; none of a finished store.
