@@ -18,7 +18,7 @@ from .._native import Structure
 from .._opening import Name, structure_of
 from .._progress import ProgressLike, watched
 from ..errors import InputError, MachineError
-from ._engine import UNIT_SECONDS, Cluster, asked, compute, refuse_unlike
+from ._engine import UNIT_SECONDS, Cluster, asked, compute
 from ._mirror import Mirror, is_url, options_text
 from ._work import Watch, identity_of, opened_alike, placed, placed_media
 

@@ -12,7 +12,7 @@ from .._opening import Name
 from .._progress import ProgressLike
 from .._scene import Scene
 from ..errors import InputError, MachineError
-from ._engine import asked, compute
+from ._engine import asked, compute, refuse_unlike
 from ._notes import is_noted, note
 from ._work import Watch, identity_of, placed, placed_media
 
@@ -148,6 +148,7 @@ def render_frames(
         how=tuple(how.items()),
     )
     cluster = asked(client)
+    refuse_unlike(cluster, "pictures")
     tasks = [range(number, number + 1) for number in _missing(work)]
     compute(work, tasks, cluster, memory_bytes=memory_bytes, threads=threads, retries=retries, progress=progress)
     missing = _missing(work)

@@ -15,7 +15,7 @@ from .._opening import Name
 from .._progress import ProgressLike, watched
 from .._scene import Scene
 from ..errors import InputError, MachineError
-from ._engine import UNIT_SECONDS, Cluster, asked, compute
+from ._engine import UNIT_SECONDS, Cluster, asked, compute, refuse_unlike
 from ._fill import fill
 from ._frames import USUAL_BYTES, Sent, checked_output, opened, sent
 from ._notes import is_noted, note
@@ -214,8 +214,7 @@ def render(
         parts.delete()
         return path
     cluster = asked(client)
-    if not cluster.are_alike:
-        raise InputError("a picture needs workers that have the same widest SIMD instructions as this process; choose alike machines")
+    refuse_unlike(cluster, "pictures")
     how: dict[str, Any] = {"memory_bytes": memory_bytes, "threads": threads, "retries": retries, "progress": progress}
 
     def missing() -> list[int]:

@@ -14,7 +14,7 @@ from .._opening import Name, structure_of
 from .._progress import ProgressLike, watched
 from .._validate import Against, ValidateOptions, _comparison, checked_options
 from ..errors import InputError, MachineError
-from ._engine import UNIT_SECONDS, asked, compute
+from ._engine import UNIT_SECONDS, asked, compute, refuse_unlike
 from ._work import Watch, identity_of, opened_alike, placed, placed_media
 
 if TYPE_CHECKING:
@@ -124,10 +124,8 @@ def validate(
     kept = None if cache is None else Path(cache)
     memory_bytes = int(cluster.memory_bytes)
     planned = _comparison(opened, folder, against, options, True, dict(own), cluster.simd, kept, memory_bytes)
-    if not planned.is_pinned and not cluster.are_alike:
-        raise InputError(
-            "full waves and crystals need workers that have the same widest SIMD instructions as this process; choose alike machines"
-        )
+    if not planned.is_pinned:
+        refuse_unlike(cluster, "full waves and crystals")
     work = ComparisonWork(
         structure=name,
         structure_hash=opened.hash,
