@@ -258,7 +258,10 @@ mod tests {
             std::fs::write(&path, changed.toml().unwrap()).unwrap();
             let again = open(&path.to_string_lossy()).unwrap();
             // A file has a name of its own, and the same individuals.
-            let third = |subject: &Subject| subject.structure().unwrap().instance(7, 3).unwrap();
+            let third = |subject: &Subject| {
+                let section = subject.structure().unwrap().instance(7, 3).unwrap();
+                (section.boundaries, section.inclusions, section.media, section.smooth_um)
+            };
             assert_eq!(third(&again), third(&changed), "{text}");
             assert_ne!(third(&open(text).unwrap()), third(&changed), "{text}");
         }
