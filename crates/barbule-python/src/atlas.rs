@@ -48,7 +48,8 @@ impl Drawn {
             Format::of(picture)?;
             check_writable(picture)?;
         }
-        self.page.as_ref().map_or(Ok(()), |page| claim_atlas_page(page, atlas))
+        let claimed = |page: &PathBuf| claim_atlas_page(page, atlas).map_err(|error| error.at("'page'"));
+        self.page.as_ref().map_or(Ok(()), claimed)
     }
 
     fn draw(&self, atlas: &Atlas, store: &SweepStore) -> Result<()> {

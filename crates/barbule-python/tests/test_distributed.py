@@ -385,13 +385,6 @@ def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     assert other[0].stat().st_mtime_ns != times[0]
 
 
-class KillerOfPictures(Killer):
-    """Kills all workers when the first part has come, with what they had at work."""
-
-    def __call__(self, label, done, total):
-        super().__call__("simulating" if label == "tiles" else label, done, total + 1)
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
     # Exposed by what the whole picture shows.
@@ -399,9 +392,9 @@ def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
     how = {"size": (90, 60), "samples": 8, "spectral_nm": [500, 600], "compositing": True}
     arguments = {"client": client, "memory_bytes": 1 << 29, **how}
     scene.render(**how, progress=False).save(tmp_path / "one.exr")
-    killer = KillerOfPictures(client, 1)
+    killer = Killer(client, "tiles")
     made = barbule.distributed.render(scene, tmp_path / "F.exr", tiles=1, unit_seconds=0.01, progress=killer, **arguments)
-    assert killer.times == 0 and made == tmp_path / "F.exr"
+    assert killer.has_killed and made == tmp_path / "F.exr"
     assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
     # The parts are gone, and the picture is not rendered again.
     assert sorted(path.name for path in tmp_path.iterdir()) == [".F.exr.json", "F.exr", "one.exr"]
