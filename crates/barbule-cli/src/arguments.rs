@@ -3,10 +3,11 @@
 use barbule::Error;
 
 /// Arguments as the library's messages name them, and their flags.
-const FLAGS: [(&str, &str); 23] = [
+const FLAGS: [(&str, &str); 29] = [
     ("cache", "--cache"),
     ("classes", "--classes"),
     ("column", "--column"),
+    ("correlation_um", "--correlation"),
     ("cortex_nm", "--cortex"),
     ("crop", "--crop"),
     ("denoise", "--denoise"),
@@ -15,18 +16,23 @@ const FLAGS: [(&str, &str); 23] = [
     ("instances", "--instances"),
     ("instrument", "--instrument"),
     ("kind", "--as"),
+    ("layers", "--layers"),
+    ("length_um", "--length"),
     ("media", "--medium"),
     ("memory", "--memory"),
     ("nm_per_px", "--scale"),
+    ("phi_deg", "--phi"),
     ("pitch_um", "--pitch"),
     ("range_nm", "--range"),
     ("range_um", "--range"),
+    ("roughness_um", "--roughness"),
     ("stack", "--stack"),
     ("threads", "--threads"),
     ("thresholds", "--thresholds"),
     ("unit", "--unit"),
     ("wavelengths", "--wavelengths"),
     ("width", "--simd"),
+    ("width_um", "--width"),
 ];
 
 /// An error's sentence in the words of the command line.

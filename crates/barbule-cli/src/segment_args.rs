@@ -71,6 +71,11 @@ impl SegmentArgs {
         Ok(if is_invariant { Roughness::NONE } else { given })
     }
 
+    /// The length that is asked for, µm.
+    pub(crate) fn length_asked_um(&self) -> Option<f64> {
+        self.length
+    }
+
     /// How long segments of a structure are, µm.
     pub(crate) fn length_um(&self, structure: &Structure) -> f64 {
         let [shortest, longest] = SEGMENT_LENGTHS_UM;

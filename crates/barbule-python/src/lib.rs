@@ -18,11 +18,13 @@ mod make;
 mod material;
 mod measured;
 mod opening;
+mod parts;
 mod program;
 mod scene;
 mod spectrum;
 mod structure;
 mod trace;
+mod validate;
 mod vision;
 mod work;
 
@@ -56,6 +58,8 @@ mod _native {
     #[pymodule_export]
     use super::opening::{open, species};
     #[pymodule_export]
+    use super::parts::Parts;
+    #[pymodule_export]
     use super::program::{run, version};
     #[pymodule_export]
     use super::scene::{Picture, Scene, presets};
@@ -65,6 +69,8 @@ mod _native {
     use super::structure::{Section, Structure};
     #[pymodule_export]
     use super::trace::{Traced, trace};
+    #[pymodule_export]
+    use super::validate::Comparison;
     #[pymodule_export]
     use super::vision::{catches, eye, eye_names, jnd, tetrahedral, things};
 }

@@ -38,11 +38,49 @@ pub(crate) struct Scene {
     folder: PathBuf,
 }
 
-/// How a scene is rendered.
-struct Choices {
-    options: PictureOptions,
-    spectral_nm: Vec<f64>,
-    compositing: bool,
+/// How a scene is rendered, as Python says it.
+pub(crate) struct Chosen<'a> {
+    pub(crate) size: [u32; 2],
+    pub(crate) samples: Option<u32>,
+    pub(crate) noise: Option<f64>,
+    pub(crate) quality: Option<&'a str>,
+    pub(crate) seed: u64,
+    pub(crate) spectral_nm: Vec<f64>,
+    pub(crate) compositing: bool,
+    pub(crate) denoise: bool,
+    /// The denoiser's file; the system's without one.
+    pub(crate) library: Option<PathBuf>,
+}
+
+impl Chosen<'_> {
+    /// The same as the library takes it.
+    ///
+    /// # Errors
+    /// A number out of range, or an unknown word.
+    pub(crate) fn options(self) -> Result<PictureOptions> {
+        let Chosen { size, samples, noise, quality, seed, spectral_nm, compositing, denoise, library } = self;
+        check_count("samples", samples.unwrap_or(1) as usize, 1 << 24)?;
+        check_size(size)?;
+        if let Some(bad) = noise.filter(|noise| !(*noise > 0.0 && *noise <= 1.0)) {
+            return Err(Error::input(format!("'noise' is {bad}; give a part over 0 and up to 1")));
+        }
+        let quality = quality.map(|word| Quality::named("'quality'", word)).transpose()?;
+        let (samples, noise) = match quality {
+            Some(quality) => quality.with(samples, noise),
+            None => (samples.unwrap_or(if noise.is_some() { 4096 } else { 16 }), noise),
+        };
+        let denoise = match (denoise, library) {
+            (false, _) => Denoise::No,
+            (true, None) => Denoise::BySystem,
+            (true, Some(file)) => Denoise::By(file),
+        };
+        let sensor = Sensor::human();
+        let spectral = Bands::new(&spectral_nm, sensor.band()).map_err(|e| e.at("'spectral_nm'"))?;
+        // A denoiser asks for albedo.
+        let compositing = compositing || denoise != Denoise::No;
+        let planes = Planes { sensor, compositing, spectral };
+        Ok(PictureOptions { size, samples, noise, seed, planes, denoise })
+    }
 }
 
 #[pymethods]
@@ -127,26 +165,16 @@ impl Scene {
         threads: Option<usize>,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
-        check_count("samples", samples.unwrap_or(1) as usize, 1 << 24).or_raise(py)?;
-        if let Some(bad) = noise.filter(|noise| !(*noise > 0.0 && *noise <= 1.0)) {
-            let message = format!("'noise' is {bad}; give a part over 0 and up to 1");
-            return Err(Error::input(message)).or_raise(py);
-        }
-        let quality = quality.map(|word| Quality::named("'quality'", word)).transpose().or_raise(py)?;
-        let (samples, noise) = match quality {
-            Some(quality) => quality.with(samples, noise),
-            None => (samples.unwrap_or(if noise.is_some() { 4096 } else { 16 }), noise),
-        };
+        let chosen =
+            Chosen { size, samples, noise, quality, seed, spectral_nm, compositing, denoise, library };
+        let options = chosen.options().or_raise(py)?;
         let given = Given { media, cache, seed: Some(seed), may_compute: true };
-        let denoise = match (denoise, library) {
-            (false, _) => Denoise::No,
-            (true, None) => Denoise::BySystem,
-            (true, Some(file)) => Denoise::By(file),
-        };
-        let options = PictureOptions { size, samples, noise, seed, denoise, ..PictureOptions::default() };
-        let choices = Choices { options, spectral_nm, compositing };
         let developed = self.developed(tone, white_balance).or_raise(py)?;
-        How::new(threads, progress).run(py, |progress| developed.picture(&given, &choices, progress))
+        How::new(threads, progress).run(py, |progress| {
+            let scene = developed.ready(&given, progress)?;
+            let lamps = scene.told_lamps()?;
+            Ok(Picture::new(barbule::Picture::of(&scene, &options, progress)?, lamps))
+        })
     }
 
     /// Writes its files for Mitsuba into a folder; the tree of plugins as JSON.
@@ -193,7 +221,7 @@ impl Scene {
     }
 
     /// The same scene with another tone or white, where they are given.
-    fn developed(&self, tone: Option<&str>, white_balance: Option<&str>) -> Result<Self> {
+    pub(crate) fn developed(&self, tone: Option<&str>, white_balance: Option<&str>) -> Result<Self> {
         let mut description = self.description.clone();
         if let Some(word) = tone {
             description.tone = Tone(ToneWord::named("'tone'", word)?);
@@ -202,16 +230,6 @@ impl Scene {
             description.white_balance = WhiteBalance::parse(text).map_err(|e| e.at("'white_balance'"))?;
         }
         Ok(Self { description, folder: self.folder.clone() })
-    }
-
-    fn picture(&self, given: &Given, choices: &Choices, progress: &dyn Progress) -> Result<Picture> {
-        let scene = self.ready(given, progress)?;
-        let sensor = Sensor::human();
-        let spectral = Bands::new(&choices.spectral_nm, sensor.band()).map_err(|e| e.at("'spectral_nm'"))?;
-        let planes = Planes { sensor, compositing: choices.compositing, spectral };
-        let options = PictureOptions { planes, ..choices.options.clone() };
-        let lamps = scene.told_lamps()?;
-        Ok(Picture { inner: barbule::Picture::of(&scene, &options, progress)?, lamps })
     }
 }
 
@@ -223,6 +241,10 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
+    pub(crate) fn new(inner: barbule::Picture, lamps: Vec<ToldLamp>) -> Self {
+        Self { inner, lamps }
+    }
+
     fn size(&self) -> [usize; 2] {
         self.inner.film().size().map(|side| side as usize)
     }

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import barbule
-from barbule.distributed import _engine, _work
+from barbule.distributed import _engine, _picture, _work
 
 distributed = pytest.importorskip("distributed")
 
@@ -76,11 +76,11 @@ def kill(client, which=slice(None)):
 class Killer:
     """Progress that kills all workers when a task has ended, once."""
 
-    def __init__(self, client):
-        self.client, self.has_killed = client, False
+    def __init__(self, client, label="simulating", also_last=False):
+        self.client, self.label, self.also_last, self.has_killed = client, label, also_last, False
 
     def __call__(self, label, done, total):
-        if label == "simulating" and not self.has_killed and done < total:
+        if label == self.label and not self.has_killed and (done < total or self.also_last):
             self.has_killed = True
             kill(self.client)
 
@@ -296,10 +296,10 @@ def test_an_atlas_is_that_of_one_process(client, tmp_path):
     plan, store = tmp_path / "plan.toml", tmp_path / "s.zarr"
     plan.write_text(PLAN)
     barbule.atlas(plan, tmp_path / "one.zarr", progress=False)
-    killer = Killer(client, 1)
+    killer = Killer(client)
     arguments = {"client": client, "unit_seconds": 0.01}
     barbule.distributed.atlas(plan, store, progress=killer, **arguments)
-    assert killer.times == 0
+    assert killer.has_killed
     assert files(store) == files(tmp_path / "one.zarr")
     sorted(store.glob("mean/c.*"))[0].write_bytes(b"half")
     barbule.distributed.atlas(plan, store, progress=False, **arguments)
@@ -308,6 +308,66 @@ def test_an_atlas_is_that_of_one_process(client, tmp_path):
     for refused, sentence in [(store, "made by another plan"), ("s3://bucket/s.zarr", "a folder that all workers see")]:
         with pytest.raises(barbule.InputError, match=sentence):
             barbule.distributed.atlas(plan, refused, progress=False, **arguments)
+
+
+def timeless(value):
+    """Numbers without how long they took, and what made them."""
+    if isinstance(value, dict):
+        return {key: timeless(one) for key, one in value.items() if not key.endswith(("seconds", "speed_ratio", "made"))}
+    return [timeless(one) for one in value] if isinstance(value, list) else value
+
+
+FILM = "air/keratin:400±10%/air"
+COMPARISONS = {
+    "full-wave": {"wavelengths_nm": [600, 650], "phi_deg": [0], "elements_per_wavelength": 4.0, "individuals": 2},
+    "three-d": {"wavelengths_nm": [600], "instances": 2, "length_um": 6.0},
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+@pytest.mark.parametrize("against", COMPARISONS)
+def test_comparisons_are_those_of_one_process(client, tmp_path, against):
+    options = COMPARISONS[against]
+    one = barbule.validate(FILM, tmp_path / "one", against, **options, progress=False)
+    killer = Killer(client, {"full-wave": "full waves", "three-d": "segments"}[against])
+    arguments = {"client": client, "unit_seconds": 1e-6, **options}
+    several = barbule.distributed.validate(FILM, tmp_path / "several", against, **arguments, progress=killer)
+    assert killer.has_killed
+    assert timeless(several) == timeless(one)
+    names = [{path.name for path in (tmp_path / name).rglob("*")} for name in ("one", "several")]
+    assert names[0] == names[1] and {"units", "numbers.json"} < names[0]
+    # Nothing is left to do, here or there.
+    again = barbule.distributed.validate(FILM, tmp_path / "one", against, **arguments, progress=False)
+    key = {"full-wave": "incidences", "three-d": "directions"}[against]
+    assert again[key] == one[key]
+
+
+def test_what_cannot_be_compared_is_refused(client, tmp_path):
+    for options, sentence in [
+        ({"against": "measured"}, "'against' is 'measured'"),
+        ({"instances": 3}, "'instances' is for segments"),
+        ({"against": "three-d", "phi_deg": [0]}, "'phi_deg' is for full waves"),
+        ({"individuals": 0}, "0 individuals are to be compared"),
+        ({"width_um": 6.0}, "'width_um' and 'layers' change species"),
+        ({"against": "three-d", "length_um": 0.1}, "'length_um' is 0.1"),
+        ({"phi_deg": [80]}, "'phi_deg': φ_i = 80°"),
+    ]:
+        for call, more in [(barbule.validate, {}), (barbule.distributed.validate, {"client": client})]:
+            with pytest.raises(barbule.InputError, match=sentence):
+                call(FILM, tmp_path / "v", **options, **more, progress=False)
+    with pytest.raises(TypeError, match="unexpected keyword argument 'phi'"):
+        barbule.validate(FILM, tmp_path / "v", phi=[0], progress=False)
+    with pytest.raises(barbule.InputError, match="MB"):
+        barbule.validate(FILM, tmp_path / "v", memory_bytes=1000, **COMPARISONS["full-wave"], progress=False)
+    assert not (tmp_path / "v").exists()
+
+
+def test_tasks_hold_missing_units_that_take_long_enough():
+    from barbule.distributed._validate import _tasks
+
+    assert _tasks([0, 1, 2, 5, 6], [1.0] * 9, 2.0) == [range(0, 2), range(2, 6), range(6, 7)]
+    assert _tasks([3], [0.1] * 4, 2.0) == [range(3, 4)]
+    assert _tasks([0, 1, 2], [5.0, 5.0, 5.0], 4.0) == [range(0, 1), range(1, 2), range(2, 3)]
 
 
 def test_frames_are_the_pictures_of_one_process(client, tmp_path):
@@ -324,6 +384,51 @@ def test_frames_are_the_pictures_of_one_process(client, tmp_path):
     assert [path.stat().st_mtime_ns == before for path, before in zip(again, times)] == [True, False, True]
     other = barbule.distributed.render_frames(frames[:1], tmp_path / "F.png", **(arguments | {"seed": 2}))
     assert other[0].stat().st_mtime_ns != times[0]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
+def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
+    # Exposed by what the whole picture shows.
+    scene = barbule.Scene.parse('preset = "starling"\nexposure = "auto"\n')
+    how = {"size": (90, 60), "samples": 8, "spectral_nm": [500, 600], "compositing": True}
+    arguments = {"client": client, "memory_bytes": 1 << 29, **how}
+    scene.render(**how, progress=False).save(tmp_path / "one.exr")
+    killer = Killer(client, "tiles", also_last=True)
+    made = barbule.distributed.render(scene, tmp_path / "F.exr", tiles=1, unit_seconds=0.01, progress=killer, **arguments)
+    assert killer.has_killed and made == tmp_path / "F.exr"
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    # The parts are gone, and the picture is not rendered again.
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".F.exr.json", "F.exr", "one.exr"]
+    time_ = made.stat().st_mtime_ns
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.stat().st_mtime_ns == time_
+    # What is damaged is rendered again, in parts that are there already.
+    made.write_bytes(b"half")
+    for number, bytes_ in [(0, b""), (2, b"BARBFILM and more")]:
+        (tmp_path / f"F.exr.part-{number}-of-3").write_bytes(bytes_)
+    barbule.distributed.render(scene, made, tiles=2, progress=False, **arguments)
+    assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_pictures_that_cannot_be_made_are_refused_before_any_work(client, tmp_path):
+    for arguments, sentence in [
+        ({"output": tmp_path / "no" / "F.png"}, "in a folder that is there"),
+        ({"tiles": 0}, "'tiles' is 0; give a number from 1 to 2"),
+        ({"noise": 2.0}, "'noise' is 2"),
+        ({"scene": "starlign"}, "did you mean 'starling'"),
+        ({"denoise": tmp_path / "none.so"}, "none.so"),
+    ]:
+        whole = {"scene": "starling", "output": tmp_path / "F.png", "size": (40, 20), "client": client, "progress": False}
+        with pytest.raises(barbule.InputError, match=sentence):
+            barbule.distributed.render(**(whole | arguments))
+    work = _picture.PictureWork(
+        scene=("starling", None), output=str(tmp_path / "F.png"), media=(), cache=None, size=(40, 20), samples=1, noise=None, quality=None,
+        seed=1, spectral_nm=(), compositing=False, tone=None, white_balance=None, tiles=None, name="another",
+    )
+    with pytest.raises(barbule.InputError, match="is another one on this worker"):
+        work.prepare(tmp_path, 1)
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_cannot_be_done_is_refused_before_any_work(client, tmp_path):

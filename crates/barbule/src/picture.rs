@@ -1,11 +1,13 @@
 //! From a scene and a material to a picture in a file: what `barbule render` does, as library calls.
 
 mod denoise;
+mod parts;
 mod quality;
 
 use std::path::{Path, PathBuf};
 
 pub use denoise::Cleaner;
+pub use parts::{Joined, Parts, part_bytes_needed, part_path};
 pub use quality::Quality;
 
 use crate::error::shortened;
@@ -169,12 +171,18 @@ impl Picture {
         let goal = Goal { noise, ..Goal::samples(samples) };
         match set.render(scene, &mut film, seed, goal, progress, &mut |_| Ok(()))? {
             Ended::Stopped => Err(Error::interrupted()),
-            Ended::Done | Ended::OutOfTime => {
-                let mut development = development(scene, &film)?;
-                development.denoised = cleaner.map(|cleaner| cleaner.clean(&film)).transpose()?;
-                Ok(Self { film, development, objects: scene.object_names() })
-            }
+            Ended::Done | Ended::OutOfTime => Self::developed(scene, film, cleaner.as_ref()),
         }
+    }
+
+    /// Develops a film of a scene.
+    ///
+    /// # Errors
+    /// As [`development`], or of the denoiser.
+    pub fn developed(scene: &ReadyScene, film: Film, cleaner: Option<&Cleaner>) -> Result<Self> {
+        let mut development = development(scene, &film)?;
+        development.denoised = cleaner.map(|cleaner| cleaner.clean(&film)).transpose()?;
+        Ok(Self { film, development, objects: scene.object_names() })
     }
 
     /// CIE XYZ of its pixels without noise, row by row, where that was taken away.

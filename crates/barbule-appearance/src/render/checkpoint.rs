@@ -1,23 +1,23 @@
-//! A film as bytes: to go on with a picture later, to the same bits as without the break.
+//! A film as bytes: to go on with a picture later, or to join what several processes rendered of it, to the same bits as without.
 //!
-//! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), 32 bytes that name the scene and its
-//! settings; of each tile its sample count, how many samples were left out and of the first of them
+//! Layout, little-endian: `BARBFILM`, version (u32), width and height (u32), which part of how many the film holds (u32), 32 bytes that name the scene and its
+//! settings; of each tile that it holds, row by row, its sample count, how many samples were left out and of the first of them
 //! sample, column, row, and its object's index and 1 (0: none) (u32), the channels, alpha and weight of its pixels and of a border of one (f64), of each pixel
 //! luminance, squares, normal, depth (f64), hits and identity (u32), and of eight runs of its samples the luminance (f32); where the film keeps them of each pixel the albedo's channels and its own (f64)
 //! and of six shapes identity, object and hits (u32), and of each pixel with the border its radiance in each band (f64); and a BLAKE3
 //! checksum of all before it. Channels are X, Y, Z of the human eye, and of other sensors eight, those that they lack 0.
 
 use super::faults::{Fault, Faults};
-use super::film::{Film, Pixel, RUNS, TILE, bordered, stride};
+use super::film::{Film, Pixel, RUNS, stride};
 use super::planes::{COVERS, Compositing, Cover, Planes};
 use super::response::lanes;
 use crate::identity::{Hasher, Identify};
 use crate::{Error, Result};
 
 const MAGIC: &[u8; 8] = b"BARBFILM";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 const TILE_HEAD: usize = 6 * 4;
-const HEAD: usize = 8 + 3 * 4 + 32;
+const HEAD: usize = 8 + 5 * 4 + 32;
 const PIXEL: usize = 6 * 8 + 2 * 4 + RUNS * 4;
 const COVERED: usize = COVERS * 3 * 4;
 const SUM: usize = 32;
@@ -38,26 +38,31 @@ pub fn name(scene: &impl Identify, seed: u64, program: &str, planes: &Planes) ->
     hasher.finish()
 }
 
-/// Bytes of a checkpoint of a picture of this size.
+/// Bytes of a checkpoint of a film.
 #[must_use]
-pub fn bytes(size: [u32; 2], planes: &Planes) -> u64 {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let tiles = u64::from(size[0].div_ceil(TILE)) * u64::from(size[1].div_ceil(TILE));
+pub fn bytes(film: &Film) -> u64 {
+    let planes = film.planes();
     let pixel = PIXEL + if planes.compositing { COVERED + 2 * lanes(&planes.sensor) * 8 } else { 0 };
     let sums = (stride(&planes.sensor) + planes.spectral.nm().len()) * 8;
-    (HEAD + SUM) as u64 + TILE_HEAD as u64 * tiles + bordered(size) * sums as u64 + pixels * pixel as u64
+    let tile = |&tile: &usize| {
+        let [x0, y0, x1, y1] = film.bounds(tile).map(u64::from);
+        let ([width, height], [pixel, sums]) = ([x1 - x0, y1 - y0], [pixel as u64, sums as u64]);
+        TILE_HEAD as u64 + (width + 2) * (height + 2) * sums + width * height * pixel
+    };
+    (HEAD + SUM) as u64 + film.held().iter().map(tile).sum::<u64>()
 }
 
 /// The film as bytes.
 #[must_use]
 pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
-    let mut to = Vec::with_capacity(bytes(film.size(), film.planes()) as usize);
+    let mut to = Vec::with_capacity(bytes(film) as usize);
     to.extend_from_slice(MAGIC);
-    for word in [VERSION, film.size()[0], film.size()[1]] {
+    let ([width, height], [number, of]) = (film.size(), place(film));
+    for word in [VERSION, width, height, number, of] {
         to.extend_from_slice(&word.to_le_bytes());
     }
     to.extend_from_slice(name);
-    for tile in &film.tiles {
+    for tile in film.held().iter().map(|&tile| &film.tiles[tile]) {
         let Faults { count, first } = tile.faults;
         let place = first.map_or([0; 4], |Fault { pixel: [x, y], sample, object }| {
             [sample, x, y, object.map_or(0, |object| object + 1)]
@@ -99,12 +104,17 @@ pub fn write(film: &Film, name: &[u8; 32]) -> Vec<u8> {
     to
 }
 
-/// The film of a checkpoint.
+/// Which part of a picture a film holds, and of how many; shards are not over what 32 bits hold.
+fn place(film: &Film) -> [u32; 2] {
+    [film.shard().number() as u32, film.shard().of() as u32]
+}
+
+/// The film of a checkpoint. `film`: one of the same size, planes and part, which is filled.
 ///
 /// # Errors
-/// Not a checkpoint, damaged, of another version, size or picture.
-pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Result<Film> {
-    let refuse = |what: &str| Err(Error::input(format!("the checkpoint {what}; delete it to begin again")));
+/// Not a checkpoint, damaged, of another version, size, part or picture.
+pub fn read(bytes: &[u8], name: &[u8; 32], mut film: Film) -> Result<Film> {
+    let refuse = |what: &str| Err(Error::input(format!("the checkpoint {what}")));
     if bytes.len() < HEAD + SUM || !bytes.starts_with(MAGIC) {
         return refuse("is not one of this program");
     }
@@ -116,18 +126,23 @@ pub fn read(bytes: &[u8], name: &[u8; 32], size: [u32; 2], planes: Planes) -> Re
     if words.count() != VERSION {
         return refuse("is of another version of this program");
     }
-    if [words.count(), words.count()] != size {
+    if [words.count(), words.count()] != film.size() {
         return refuse("is of a picture of another size");
     }
-    if words.take::<32>() != *name {
-        return refuse("is of another picture (scene, material, light, view, sensor or seed differ)");
+    if [words.count(), words.count()] != place(&film) {
+        return refuse("is of another part of the picture");
     }
-    if bytes.len() as u64 != self::bytes(size, &planes) {
+    if words.take::<32>() != *name {
+        return refuse(
+            "is of another picture (scene, material, light, view, sensor or seed differ; of a part also samples, noise or instruction set)",
+        );
+    }
+    if bytes.len() as u64 != self::bytes(&film) {
         return refuse("is damaged (its length is wrong)");
     }
-    let lanes = lanes(&planes.sensor);
-    let mut film = Film::with(size, planes)?;
-    for tile in &mut film.tiles {
+    let lanes = lanes(&film.planes().sensor);
+    for number in film.held().to_vec() {
+        let tile = &mut film.tiles[number];
         tile.count = words.count();
         let left_out = words.count();
         let [sample, x, y, object] = std::array::from_fn(|_| words.count());
@@ -185,6 +200,7 @@ impl Words<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::progress::Shard;
     use crate::render::planes::Bands;
     use crate::spectrum::dense::DenseSpectrum;
     use crate::spectrum::sensor::{Band, Curve, Sensor};
@@ -199,8 +215,12 @@ mod tests {
         Sensor::new("one cone", Band::new(300, 700).unwrap(), vec![channel]).unwrap()
     }
 
+    fn empty(sensor: Sensor) -> Film {
+        Film::with([40, 10], planes(sensor)).unwrap()
+    }
+
     fn film(sensor: Sensor) -> Film {
-        let mut film = Film::with([40, 10], planes(sensor)).unwrap();
+        let mut film = empty(sensor);
         film.tiles[1].count = 8;
         film.tiles[1].faults.add(Fault { pixel: [33, 2], sample: 7, object: Some(0) });
         film.tiles[1].sums[35..40].copy_from_slice(&[0.1, 0.2, 0.3, 0.4, 0.5]);
@@ -217,16 +237,48 @@ mod tests {
     fn a_checkpoint_gives_the_same_film_back() {
         for sensor in [Sensor::human(), cone()] {
             let bytes = write(&film(sensor.clone()), &[1; 32]);
-            assert_eq!(bytes.len() as u64, self::bytes([40, 10], &planes(sensor.clone())));
-            assert_eq!(read(&bytes, &[1; 32], [40, 10], planes(sensor.clone())).unwrap(), film(sensor));
+            assert_eq!(bytes.len() as u64, self::bytes(&empty(sensor.clone())));
+            assert_eq!(read(&bytes, &[1; 32], empty(sensor.clone())).unwrap(), film(sensor));
+        }
+    }
+
+    /// Two tiles in two parts, and one part more than there are tiles.
+    #[test]
+    fn parts_have_their_own_tiles_and_together_make_the_film() {
+        let whole = film(cone());
+        for of in 1..4 {
+            let part =
+                |number| Film::part([40, 10], planes(cone()), Shard::new(number, of).unwrap()).unwrap();
+            let mut joined = empty(cone());
+            for number in 0..of {
+                let mut own = part(number);
+                for tile in own.held().to_vec() {
+                    own.tiles[tile] = whole.tiles[tile].clone();
+                }
+                let bytes = write(&own, &[1; 32]);
+                assert_eq!(bytes.len() as u64, self::bytes(&own));
+                let read = |film| read(&bytes, &[1; 32], film);
+                assert_eq!(read(part(number)).unwrap(), own);
+                if of > 1 {
+                    let other = part((number + 1) % of);
+                    assert!(read(other).unwrap_err().to_string().contains("another part"));
+                }
+                joined.join(own).unwrap();
+            }
+            // Tiles without samples bring none.
+            assert!(joined.count(33, 2) == 8 && joined.pixel(33, 2) == whole.pixel(33, 2));
+            assert_eq!(joined.faults(), whole.faults());
+            assert_eq!(joined.tiles[1], whole.tiles[1]);
         }
     }
 
     #[test]
     fn damaged_and_foreign_checkpoints_are_refused() {
-        let (human, bytes) = (|| planes(Sensor::human()), write(&film(Sensor::human()), &[1; 32]));
-        let message =
-            |bytes: &[u8], n: u8, size| read(bytes, &[n; 32], size, human()).unwrap_err().to_string();
+        let bytes = write(&film(Sensor::human()), &[1; 32]);
+        let message = |bytes: &[u8], n: u8, size| {
+            let film = Film::with(size, planes(Sensor::human())).unwrap();
+            read(bytes, &[n; 32], film).unwrap_err().to_string()
+        };
         assert!(message(&bytes, 2, [40, 10]).contains("another picture"));
         assert!(message(&bytes, 1, [40, 11]).contains("another size"));
         assert!(message(b"hello", 1, [40, 10]).contains("not one of this program"));

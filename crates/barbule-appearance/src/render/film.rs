@@ -8,17 +8,20 @@ pub use super::pixel::{Pixel, RUNS};
 use super::planes::{Compositing, Planes};
 use super::response::{Response, Rows, lanes, seen};
 use crate::identity::hash;
+use crate::progress::Shard;
 use crate::spectrum::colour::rgb_from_xyz;
 use crate::spectrum::dense::WAVES;
 use crate::spectrum::sensor::{MOST_CHANNELS, Sensor};
 use crate::{Error, Result};
+
+mod share;
 
 /// Side of a tile, pixels.
 pub const TILE: u32 = 32;
 
 /// A tile's share of the picture: each of its samples adds to the four pixels whose tents it lies in, also to those just
 /// outside, so that tiles need nothing from each other while they grow.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Tile {
     /// Samples per pixel.
     pub(super) count: u32,
@@ -79,7 +82,11 @@ pub struct Film {
     size: [u32; 2],
     planes: Planes,
     response: Arc<Response>,
-    /// Row by row.
+    /// Which part of the picture it holds.
+    shard: Shard,
+    /// The tiles of that part, in their order.
+    held: Vec<usize>,
+    /// Row by row; those that are not held are empty.
     pub(super) tiles: Vec<Tile>,
 }
 
@@ -97,11 +104,7 @@ impl Film {
     /// # Errors
     /// As [`check_size`].
     pub fn with(size: [u32; 2], planes: Planes) -> Result<Self> {
-        check_size(size)?;
-        let [across, down] = tiles(size);
-        let tiles = (0..across * down).map(|tile| Tile::new(bounds(size, tile as usize), &planes)).collect();
-        let response = Arc::new(Response::new(&planes.sensor));
-        Ok(Self { size, planes, response, tiles })
+        Self::part(size, planes, Shard::WHOLE)
     }
 
     /// Shows on a screen what another sensor with the same channels makes of them.
@@ -167,12 +170,12 @@ impl Film {
         bounds(self.size, tile)
     }
 
-    /// What a pixel knows of its own samples.
+    /// What a pixel knows of its own samples; nothing of those that a part of a picture does not hold.
     #[must_use]
     pub fn pixel(&self, x: u32, y: u32) -> &Pixel {
         let tile = self.tile_at(x, y);
         let [x0, y0, x1, _] = self.bounds(tile);
-        &self.tiles[tile].pixels[((y - y0) * (x1 - x0) + x - x0) as usize]
+        self.tiles[tile].pixels.get(((y - y0) * (x1 - x0) + x - x0) as usize).unwrap_or(&Pixel::EMPTY)
     }
 
     /// Noise of the tile that has most of it: the standard error of a pixel's luminance over the luminance (with 0.05 added), mean over the
@@ -330,12 +333,6 @@ impl Film {
 /// Tiles across and down.
 fn tiles(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| side.div_ceil(TILE))
-}
-
-/// Pixels of all tiles with their borders.
-pub(super) fn bordered(size: [u32; 2]) -> u64 {
-    let [across, down] = tiles(size);
-    u64::from(size[0] + 2 * across) * u64::from(size[1] + 2 * down)
 }
 
 fn bounds(size: [u32; 2], tile: usize) -> [u32; 4] {

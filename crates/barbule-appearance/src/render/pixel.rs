@@ -35,6 +35,17 @@ fn run_length(sample: u32) -> u32 {
 }
 
 impl Pixel {
+    /// What is known before the first sample.
+    pub(super) const EMPTY: Self = Self {
+        luminance: 0.0,
+        squares: 0.0,
+        normal: [0.0; 3],
+        depth: 0.0,
+        hits: 0,
+        id: 0,
+        runs: [0.0; RUNS],
+    };
+
     #[inline(always)]
     pub(super) fn add(&mut self, first: &FirstHit, luminance: f64, number: u32) {
         self.luminance += luminance;

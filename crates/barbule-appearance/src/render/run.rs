@@ -85,10 +85,11 @@ pub fn run(
     let now = || goal.time.map_or(Duration::ZERO, |limit| (limit.clock)());
     let mut clock = Pace::default();
     let start = now();
-    let most = film.tiles.iter().map(|tile| u64::from(goal.samples.saturating_sub(tile.count))).sum();
+    let left = |&tile: &usize| u64::from(goal.samples.saturating_sub(film.tiles[tile].count));
+    let most = film.held().iter().map(left).sum();
     progress.begin("rendering", most);
     loop {
-        let open: Vec<usize> = (0..film.tiles()).filter(|&t| !is_done(film, t, &goal)).collect();
+        let open: Vec<usize> = open(film, &goal).collect();
         if open.is_empty() {
             return Ok(Ended::Done);
         }
@@ -252,8 +253,19 @@ fn add_behind<const LANES: usize>(
     }
 }
 
+/// Whether a film, or the part of a picture that it holds, needs no more samples; how long they took is not asked.
+#[must_use]
+pub fn is_done(film: &Film, goal: &Goal) -> bool {
+    open(film, goal).next().is_none()
+}
+
+/// The tiles that need more samples.
+fn open<'a>(film: &'a Film, goal: &'a Goal) -> impl Iterator<Item = usize> + 'a {
+    film.held().iter().copied().filter(|&tile| !is_tile_done(film, tile, goal))
+}
+
 /// Depends on the tile's own samples only, at counts that do not depend on how a run was cut into pieces.
-fn is_done(film: &Film, tile: usize, goal: &Goal) -> bool {
+fn is_tile_done(film: &Film, tile: usize, goal: &Goal) -> bool {
     let count = film.tiles[tile].count;
     if count >= goal.samples {
         return true;

@@ -70,7 +70,7 @@ impl Args {
         let units_at_once = units_at_once(&plan, Keep::Statistics, Results::Gathered, &self.common)?;
         self.common.say(&format!("characterizing {name}: about {}", expected(&plan)));
         if self.halo {
-            let count = HaloPlan::new(&plan).count();
+            let count = HaloPlan::new(&plan, width).count();
             self.common.say(&format!("then {count} far fields of segments, for its halo"));
         }
         let how = Execution { resources: Resources { width, units_at_once }, store: store.as_deref() };

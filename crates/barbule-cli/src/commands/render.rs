@@ -6,6 +6,7 @@ mod flags;
 mod job;
 mod lamps;
 mod noise;
+mod parts;
 mod presets;
 
 use std::io::Write;
@@ -19,6 +20,7 @@ use barbule::io::{Folder, check_writable};
 use barbule::open;
 use barbule::picture::{
     Cleaner, Denoise, Quality, Set, bytes_needed, check_alpha, check_colours, check_kind, is_exr,
+    part_bytes_needed,
 };
 use barbule::progress::Shard;
 use barbule::render::film::check_size;
@@ -122,7 +124,8 @@ pub(crate) struct Args {
     /// This many pictures F-0000, F-0001 … in which the key light swings, or what --arc and --path say
     #[arg(long, value_name = "N", default_value_t = 1)]
     frames: u32,
-    /// Frames: only part i of n (i from 0) of them, for several processes; the exposure is then to be a factor
+    /// Only part i of n (i from 0), for several processes: of the tiles of a picture, kept beside it until the same command without --shard
+    /// joins all parts; or of the frames of a sequence, whose exposure is then to be a factor
     #[arg(long, value_name = "i/n", allow_hyphen_values = true, value_parser = shard::parse)]
     shard: Option<Shard>,
     /// Frames: light, camera or feather swings over this arc about where it stands; 360 goes once round (repeatable)
@@ -177,10 +180,17 @@ impl Args {
             .filter_map(|frame| self.human_file(frame))
             .try_for_each(|file| check("--human", &file))?;
         let planes = self.planes()?;
+        self.part_file(&self.file(0)).map_or(Ok(()), |file| check_writable(&file))?;
         let cleaner = self.cleaner()?;
         let mut description = description;
         self.read(&mut description, size, &planes)?;
         let (scene, wardrobe) = self.ready(description)?;
+        let (wardrobe, planes) = (&wardrobe, &planes);
+        let job = |file| Job { file, human: None, size, goal, wardrobe, planes, cleaner: None };
+        if let (Some(shard), [file]) = (self.part(), &files[..]) {
+            let report = self.draw_part(&scene, &job(file), shard)?;
+            return if self.common.json { print_json(out, &[report]) } else { Ok(()) };
+        }
         let set = self.set(&scene, &Terminal::new(&self.common).writing_nothing())?;
         let terminal = Terminal::new(&self.common).keeping_what_is_done();
         let checkpoints = Checkpoints::new(&self.common, self.resume);
@@ -191,8 +201,7 @@ impl Args {
             // A sequence that is exposed by a key is so by that of its first frame: it does not flicker.
             let frame = frame.changed(|scene| scene.exposure = exposure)?;
             let human = self.human_file(index);
-            let (human, cleaner) = (human.as_deref(), cleaner.as_ref());
-            let job = Job { file, human, size, goal, wardrobe: &wardrobe, planes: &planes, cleaner };
+            let job = Job { human: human.as_deref(), cleaner: cleaner.as_ref(), ..job(file) };
             let (report, used, ended) = self.picture(&frame, &set, &job, &checkpoints, &terminal)?;
             exposure = Exposure::Factor(used);
             reports.push(report);
@@ -209,7 +218,11 @@ impl Args {
     fn read(&self, scene: &mut SceneDescription, size: [u32; 2], planes: &Planes) -> Result<()> {
         let (folder, allowance) = (Folder(self.folder()), self.common.allowance());
         let what = format!("a picture of {}x{} pixels", size[0], size[1]);
-        let (pixels, none) = (bytes_needed(size, planes), bytes_needed([0; 2], planes));
+        let needed = |size| match self.part() {
+            Some(shard) => part_bytes_needed(size, planes, shard),
+            None => bytes_needed(size, planes),
+        };
+        let (pixels, none) = (needed(size), needed([0; 2]));
         allowance.check(&what, pixels, "a smaller --size")?;
         let what = format!("{what} with the scene's objects and their pictures");
         // Most files say at their beginning what they hold; while they are read there are no pixels yet.
@@ -371,9 +384,7 @@ impl Args {
     fn own_frames(&self, exposure: Exposure) -> Result<Range<u32>> {
         let Some(shard) = self.shard else { return Ok(0..self.frames) };
         if self.frames == 1 {
-            return Err(Error::input(
-                "--shard: shares out the frames of a sequence, and there is one; give --frames",
-            ));
+            return Ok(0..1);
         }
         if exposure.factor().is_none() {
             return Err(Error::input(
@@ -443,6 +454,8 @@ impl Args {
                 "--denoise: only pictures that people see are denoised; leave out --sensor",
             ));
         }
+        // Noise is taken away when parts are joined.
+        let denoise = if self.part().is_some() { Denoise::No } else { denoise };
         denoise.cleaner().map_err(|error| error.at("--denoise"))
     }
 
@@ -451,6 +464,11 @@ impl Args {
             && !(noise > 0.0 && noise <= 100.0)
         {
             return Err(Error::input(format!("--noise {noise}: give percent, over 0 and up to 100")));
+        }
+        if self.time.is_some() && self.part().is_some() {
+            return Err(Error::input(
+                "--time: parts of a picture end by --samples or --noise, so that together they are the picture of one process; leave it out",
+            ));
         }
         let open_ended = self.time.is_some() || self.noise.is_some();
         let percent = self.noise.map(|percent| percent / 100.0);

@@ -223,8 +223,13 @@ fn names_that_only_the_command_makes_up_are_refused_too() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     inputs(at);
+    fs::copy(at.join("n.csv"), at.join("o.png.part-1-of-2")).unwrap();
     let before = bytes_of(at);
     for (line, part) in [
+        (
+            "render @s.toml --medium q=@o.png.part-1-of-2 --size 8x8 --samples 1 --shard 1/2 -o @o.png",
+            "o.png.part-1-of-2: would be overwritten",
+        ),
         ("validate @v/numbers.json --full-wave -o @v", "numbers.json: would be overwritten"),
         ("validate @v/numbers.json --three-d -o @v", "numbers.json: would be overwritten"),
         (

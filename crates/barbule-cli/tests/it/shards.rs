@@ -178,7 +178,12 @@ fn values_that_share_nothing_out_are_refused() {
         ("validate starling --full-wave --quick -o v --shard 3/3", "write i/n with 0 <= i < n"),
         ("validate starling --three-d --quick -o v --shard 1", "write i/n with 0 <= i < n"),
         ("render s.toml -o f.png --frames 4 --shard 4/4", "write i/n with 0 <= i < n"),
-        ("render s.toml -o f.png --shard 0/2", "give --frames"),
+        ("render s.toml -o f.png --shard 2/2", "write i/n with 0 <= i < n"),
+        (
+            "render s.toml -o f.png --time 5s --shard 0/2",
+            "--time: parts of a picture end by --samples or --noise",
+        ),
+        ("render s.toml -o no/f.png --shard 0/2", "no"),
         ("render s.toml -o f.png --frames 4 --exposure auto --shard 0/2", "give a factor by --exposure"),
     ] {
         let output = run(folder.path(), &words.split(' ').collect::<Vec<_>>());
@@ -266,6 +271,119 @@ fn frames_of_several_processes_are_the_pictures_of_one() {
     assert_eq!(names, ["f-0001.png", "f-0002.png", "s.toml"]);
     succeed(&shared, &[&["render", "--shard=0/2"][..], &words[1..]].concat());
     assert!(bytes_of(&alone) == bytes_of(&shared));
+}
+
+/// Six tiles, at the right and lower edge not whole, exposed by what the picture shows.
+const PICTURE: &[&str] = &["render", "s.toml", "--size", "90x60", "--exposure", "auto", "-o"];
+
+fn drawing<'a>(picture: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [PICTURE, &[picture], more].concat()
+}
+
+/// The files of a folder that holds a scene, but for the scene.
+fn pictures(folder: &Path) -> std::collections::BTreeMap<String, Vec<u8>> {
+    let mut files = bytes_of(folder);
+    files.remove("s.toml");
+    files
+}
+
+#[test]
+fn a_picture_in_parts_is_that_of_one_process() {
+    let folder = tempfile::tempdir().unwrap();
+    let (alone, shared) = (folder.path().join("alone"), folder.path().join("shared"));
+    for at in [&alone, &shared] {
+        std::fs::create_dir(at).unwrap();
+        std::fs::write(at.join("s.toml"), CLOSE_UP).unwrap();
+    }
+    succeed(&alone, &drawing("f.png", &["--samples", "3"]));
+    // The seventh of seven has no tile.
+    for of in [1, 2, 3, 7] {
+        for number in (0..of).rev() {
+            let (shard, threads) = (format!("{number}/{of}"), (1 + number % 2).to_string());
+            succeed(
+                &shared,
+                &drawing("f.png", &["--samples", "3", "--shard", &shard, "--threads", &threads]),
+            );
+        }
+        assert_eq!(pictures(&shared).len(), of.min(6), "of {of}");
+        let output = run(&shared, &drawing("f.png", &["--samples", "3", "--json"]));
+        let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(
+            (&report[0]["paths"], &report[0]["exposure_by"]),
+            (&json!(0), &json!("key")),
+            "{}",
+            said(&output)
+        );
+        let parts = if of == 1 {
+            "1 part is joined\n".to_owned()
+        } else {
+            format!("{} parts are joined\n", of.min(6))
+        };
+        assert!(said(&output).contains(&parts), "{}", said(&output));
+        assert_eq!(pictures(&shared).into_keys().collect::<Vec<_>>(), ["f.png"]);
+        std::fs::remove_file(shared.join("f.png")).unwrap();
+    }
+    // All planes, with tiles of different counts; what is lacking is rendered by the one that joins.
+    let planes = ["--spectral", "450,550,650", "--noise", "30", "--samples", "24"];
+    succeed(&alone, &drawing("f.exr", &planes));
+    succeed(&shared, &drawing("f.exr", &[&planes[..], &["--shard=2/3"]].concat()));
+    succeed(&shared, &drawing("f.exr", &[&["--shard", "0/2"], &planes[..]].concat()));
+    let output = run(&shared, &drawing("f.exr", &planes));
+    assert!(
+        said(&output).contains("2 parts are joined; what they lack is rendered here"),
+        "{}",
+        said(&output)
+    );
+    let mut expected = pictures(&alone);
+    expected.remove("f.png");
+    assert!(pictures(&shared) == expected && expected.len() == 1);
+}
+
+#[test]
+fn parts_that_were_killed_damaged_or_of_another_picture_are_rendered_anew() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("s.toml"), CLOSE_UP).unwrap();
+    let long = ["--samples", "64"];
+    let mut child =
+        barbule(at, &drawing("f.png", &["--shard", "1/2", "--quiet", "--samples", "64"])).spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    succeed(at, &drawing("f.png", &long));
+    let whole = pictures(at);
+    std::fs::remove_file(at.join("f.png")).unwrap();
+    let part = |shard: &str, more: &[&str]| {
+        said(&run(at, &drawing("f.png", &[&["--shard", shard], &long[..], more].concat())))
+    };
+    part("1/2", &[]);
+    let kept = at.join("f.png.part-1-of-2");
+    let good = std::fs::read(&kept).unwrap();
+    let message = part("1/2", &["--resume"]);
+    assert!(message.contains("part 1/2 is done, there is nothing to do"), "{message}");
+    assert!(message.contains("--resume has no effect here"), "{message}");
+    let mut damaged = good.clone();
+    damaged[good.len() / 2] ^= 1;
+    for (bytes, word) in [
+        (&damaged[..], "its checksum differs"),
+        (&good[..99], "checksum"),
+        (b"x", "is not one of this program"),
+    ] {
+        std::fs::write(&kept, bytes).unwrap();
+        let message = part("1/2", &[]);
+        assert!(message.contains(word) && message.contains("; it is rendered anew"), "{message}");
+        assert!(std::fs::read(&kept).unwrap() == good);
+    }
+    // Another light, and other samples: not of this picture, neither for its part nor for who joins.
+    let message = part("1/2", &["--light=1,50"]);
+    assert!(message.contains("another picture") && std::fs::read(&kept).unwrap() != good, "{message}");
+    part("0/2", &[]);
+    let message = said(&run(at, &drawing("f.png", &long)));
+    assert!(message.contains("f.png.part-1-of-2: ") && message.contains("; it is not joined"), "{message}");
+    assert!(message.contains("1 part is joined; what it lacks is rendered here"), "{message}");
+    // What is of another picture is not this one's to delete.
+    let mut found = pictures(at);
+    assert!(found.remove("f.png.part-1-of-2").is_some() && found == whole);
 }
 
 /// The scripts of `examples/cluster`, with schedulers that run every task here.

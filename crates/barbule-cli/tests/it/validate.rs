@@ -196,7 +196,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
     let out = folder.path().join("out").to_string_lossy().into_owned();
     let rods = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/rods.json");
     let swallow = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/species/tree-swallow.toml");
-    let cases: [(&[&str], &str); 16] = [
+    let cases: [(&[&str], &str); 17] = [
         (&["validate", rods, "--full-wave"], "no top boundary"),
         (&["validate", rods, "--full-wave", "--width", "3"], "--width and --layers change species"),
         (
@@ -221,6 +221,7 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
         (&["validate", "starling", "--full-wave", "--invariant"], "cannot be used with"),
         (&["validate", "starling", "--full-wave", "--length", "9"], "give it with --three-d"),
         (&["validate", "starling", "--three-d", "--instances", "0"], "--instances"),
+        (&["validate", "starling", "--full-wave", "--simd", "scalar"], "cannot be used with"),
         (&["validate", "starling", "--three-d", "--roughness", "0.3"], "half the shorter correlation length"),
         (
             &["validate", "starling", "--three-d", "--memory", "50M", "--length", "1000"],

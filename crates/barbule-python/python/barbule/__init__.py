@@ -24,6 +24,7 @@ from ._progress import Bar
 from ._labels import Arrays, Axis, Quantity
 from ._scene import Scene, presets, render
 from ._trace import Traced, trace
+from ._validate import ValidateOptions, validate
 from .vision import birds, see
 from .errors import BarbuleError, DoubtWarning, InputError, MachineError, NotSettledError
 
@@ -54,6 +55,7 @@ __all__ = [
     "Solution",
     "Structure",
     "Traced",
+    "ValidateOptions",
     "Written",
     "angle_law",
     "atlas",
@@ -80,5 +82,6 @@ __all__ = [
     "species",
     "spectrum",
     "trace",
+    "validate",
     "vision",
 ]

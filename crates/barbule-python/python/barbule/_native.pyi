@@ -229,6 +229,32 @@ def foretell_atlas(
 ) -> tuple[int, int, int, int, int, int, list[float], float]: ...
 def simd() -> list[str]: ...
 @final
+class Comparison:
+    """The fast simulation against full waves or segments, with the folder of its figures."""
+
+    def __new__(
+        cls,
+        structure: Structure,
+        folder: Path,
+        against: str,
+        options: str,
+        with_material: bool,
+        material: str | None,
+        media: _Media,
+        simd: str | None,
+        cache: Path | None,
+        memory_bytes: int | None,
+    ) -> Comparison: ...
+    @property
+    def is_pinned(self) -> bool: ...
+    def costs(self, threads: int) -> list[tuple[float, int]]: ...
+    def missing(self) -> list[int]: ...
+    def run(self, unit: int, threads: int | None, progress: _Watch) -> None: ...
+    def check_memory(self, threads: int | None, memory_bytes: int | None) -> None: ...
+    def finish(self, threads: int | None, progress: _Watch) -> str: ...
+    def __len__(self) -> int: ...
+
+@final
 class Campaign:
     """A campaign in portions of a few seconds, with its store."""
 
@@ -433,6 +459,40 @@ class Scene:
         threads: int | None,
         progress: _Watch,
     ) -> Picture: ...
+
+@final
+class Parts:
+    """A picture in parts of its tiles, each a file beside it."""
+
+    def __new__(
+        cls,
+        scene: Scene,
+        output: Path,
+        size: Sequence[int],
+        samples: int | None,
+        noise: float | None,
+        quality: str | None,
+        seed: int,
+        spectral_nm: Sequence[float],
+        compositing: bool,
+        denoise: bool,
+        library: Path | None,
+        tone: str | None,
+        white_balance: str | None,
+        tiles: int | None,
+        media: _Media,
+        cache: Path | None,
+        threads: int | None,
+        progress: _Watch,
+    ) -> Parts: ...
+    @property
+    def name(self) -> str: ...
+    def is_there(self, number: int) -> bool: ...
+    def prepare(self, threads: int | None, progress: _Watch) -> None: ...
+    def run(self, number: int, threads: int | None = 1, progress: _Watch = None) -> bool: ...
+    def join(self, threads: int | None, progress: _Watch) -> tuple[Picture | None, list[int]]: ...
+    def delete(self) -> None: ...
+    def __len__(self) -> int: ...
 
 def export(
     what: Material | Scene | str,

@@ -63,6 +63,7 @@ pub struct HaloPlan {
     wavelengths_nm: Vec<f64>,
     length_um: f64,
     roughness: Roughness,
+    width: Width,
 }
 
 /// What all instances give at one wavelength under light from one direction, parts of what falls on them.
@@ -75,9 +76,9 @@ struct Knot {
 }
 
 impl HaloPlan {
-    /// That of a campaign: its instances and its range of wavelengths.
+    /// That of a campaign: its instances and its range of wavelengths, computed with the instructions `width`, which decide roundings.
     #[must_use]
-    pub fn new(plan: &Plan) -> Self {
+    pub fn new(plan: &Plan, width: Width) -> Self {
         let nm = plan.parameters.axes.wavelengths_nm();
         let (first, last) = (nm[0], nm[nm.len() - 1]);
         let count = nm.len().min(WAVELENGTHS);
@@ -91,6 +92,7 @@ impl HaloPlan {
             wavelengths_nm: (0..count).map(at).collect(),
             length_um: LENGTH_UM.min(plan.structure.width_um()).clamp(shortest, longest),
             roughness: Roughness::default(),
+            width,
         }
     }
 
@@ -187,7 +189,7 @@ impl HaloPlan {
         let segment = self.segment(0)?;
         let (wavelength_nm, [theta_i, phi_i]) = self.light(0);
         let light = SegmentLight { wavelength_nm, theta_i, phi_i, window_um: self.window_um(), turn: 0.0 };
-        segment::cost(&segment, &light, &SegmentAccuracy::default(), threads)
+        segment::cost(&segment, &light, &self.accuracy(), threads)
     }
 
     /// Wavelength, nm, and direction, rad, of a unit: all cosφ_i of a cosθ_i, all of these at a wavelength.
@@ -204,6 +206,11 @@ impl HaloPlan {
     /// Standard deviations of the light's window, µm.
     fn window_um(&self) -> [f64; 2] {
         [0.25 * self.structure.width_um(), 0.25 * self.length_um]
+    }
+
+    /// How segments are computed.
+    fn accuracy(&self) -> SegmentAccuracy {
+        SegmentAccuracy { width: self.width, ..SegmentAccuracy::default() }
     }
 
     /// Given sections serve again with other heights when there are no more.
@@ -243,7 +250,7 @@ impl HaloPlan {
             .map(|index| {
                 let phi_i = azimuth(index) + self.turn(index);
                 let light = Illumination { wavelength_nm, theta_i, phi_i, window: Window::Gaussian };
-                let accuracy = surface::Accuracy::default();
+                let accuracy = surface::Accuracy { width: self.width, ..surface::Accuracy::default() };
                 let section = &instances[index].section;
                 let far =
                     surface::far_field_observed(section, &light, AZIMUTHS, &accuracy, &OnlyStops(progress))?;
@@ -260,7 +267,7 @@ impl HaloPlan {
             }
             let (phi_i, turn) = (azimuth(index), self.turn(index));
             let light = SegmentLight { wavelength_nm, theta_i, phi_i, window_um, turn };
-            let far = segment::far_field(segment, &light, &SegmentAccuracy::default(), &OnlyStops(progress))?;
+            let far = segment::far_field(segment, &light, &self.accuracy(), &OnlyStops(progress))?;
             rows.resize(far.omega_y.len(), 0.0);
             add_rows(&far, &mut rows);
             grid = Some((far.omega_y, far.step[1]));
@@ -290,7 +297,7 @@ impl HaloPlan {
         hasher
             .count("version", HALO_VERSION)
             .text("program", env!("CARGO_PKG_VERSION"))
-            .text("simd", Width::best().name())
+            .text("simd", self.width.name())
             .text("structure", &self.structure.hash())
             .count("seed", self.seed)
             .count("instances", self.instances as u64)
@@ -431,7 +438,7 @@ mod tests {
             tilt_deg: 0.0,
             ..CampaignOptions::default()
         };
-        HaloPlan { length_um: 12.0, ..HaloPlan::new(&options.plan(structure).unwrap()) }
+        HaloPlan { length_um: 12.0, ..HaloPlan::new(&options.plan(structure).unwrap(), Width::best()) }
     }
 
     /// A flat mirror, melanin that light does not pass: heights of rms A far below the wavelength take the part (2k A z)² out of the mirror's line (perturbation of the
@@ -463,5 +470,19 @@ mod tests {
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
         assert_eq!(plan.measure(Some(&units), &Unobserved).unwrap(), first);
         assert_eq!(plan.measure(None, &Unobserved).unwrap(), first);
+    }
+
+    #[test]
+    fn instructions_are_part_of_a_unit_and_decide_roundings_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let units = Units::new(folder.path());
+        let best = HaloPlan { instances: 1, ..small(Structure::flat("air/keratin:300/air").unwrap()) };
+        let scalar = HaloPlan { width: Width::scalar(), ..best.clone() };
+        best.run_unit(0, &units, &Unobserved).unwrap();
+        if best.width.name() != scalar.width.name() {
+            assert!(best.is_done(0, &units) && !scalar.is_done(0, &units));
+        }
+        let [a, b] = [&best, &scalar].map(|plan| plan.measure(None, &Unobserved).unwrap().power[0]);
+        assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     }
 }

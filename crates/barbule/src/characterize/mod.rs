@@ -34,6 +34,7 @@ use crate::campaign::{Outcome, Resources, run, statistics};
 use crate::error::shortened;
 use crate::io::Units;
 use crate::io::store::Store;
+use crate::math::simd::Width;
 use crate::progress::{Progress, Shard};
 use crate::scattering::statistics::Statistics;
 use crate::{Error, Result};
@@ -85,7 +86,8 @@ pub fn characterize(
         }
     };
     let units = how.store.map(halo_units);
-    let (material, report) = finished(plan, &statistics, options, units.as_ref(), progress)?;
+    let width = how.resources.width;
+    let (material, report) = finished(plan, &statistics, options, width, units.as_ref(), progress)?;
     Ok(Characterized { material, report, repaired })
 }
 
@@ -94,18 +96,20 @@ fn halo_units(store: &Path) -> Units {
     Units::new(&store.with_extension("halo"))
 }
 
-/// Fits the material of a plan's statistics; with its halo, which `units` may have, if `options` ask for it.
+/// Fits the material of a plan's statistics; with its halo, which `units` may have and is else computed with the instructions `width`, if
+/// `options` ask for it.
 fn finished(
     plan: &Plan,
     statistics: &Statistics,
     options: &FitOptions,
+    width: Width,
     units: Option<&Units>,
     progress: &dyn Progress,
 ) -> Result<(FeatherMaterial, FitReport)> {
     let name = plan.structure.name();
     let (mut material, report) = material_of(statistics, &name, &plan.description, options, progress)?;
     if options.halo {
-        let halo = HaloPlan::new(plan);
+        let halo = HaloPlan::new(plan, width);
         material.halo = Some(halo.measure(units, progress)?);
         material.info["halo"] = halo.info();
     }
@@ -139,7 +143,7 @@ pub fn characterize_part(
         run(&plan.campaign(&how.resources, catalog, progress)?, &units, &store, progress)?
     };
     if options.halo {
-        HaloPlan::new(plan).measure_part(shard, &halo_units(path), progress)?;
+        HaloPlan::new(plan, how.resources.width).measure_part(shard, &halo_units(path), progress)?;
     }
     Ok(outcome)
 }

@@ -77,7 +77,7 @@ impl Portions {
         let units: Vec<Unit> = store.axes().units().collect();
         let thetas = store.axes().cos_theta().len();
         let portions = divided(units.len() / thetas, thetas, unit_seconds, seconds);
-        let (prepared, halo, halo_units) = (Mutex::default(), HaloPlan::new(&plan), halo_units(path));
+        let (prepared, halo, halo_units) = (Mutex::default(), HaloPlan::new(&plan, width), halo_units(path));
         Ok(Self {
             plan,
             store,
@@ -176,8 +176,8 @@ impl Portions {
         self.halo.unit_cost(rayon::current_num_threads()).map(|cost| PROGRAM + cost.bytes)
     }
 
-    /// Simulates a unit of the halo and keeps it beside the store, unless it is there. It is computed with the widest instructions of the
-    /// processor, and one of others is not there.
+    /// Simulates a unit of the halo and keeps it beside the store, unless it is there. One that was computed with other instructions than the
+    /// store's is not there.
     ///
     /// # Errors
     /// There is no such unit; as [`HaloPlan::run_unit`].
@@ -208,7 +208,7 @@ impl Portions {
     pub fn material(&self, options: &FitOptions, progress: &dyn Progress) -> Result<FeatherMaterial> {
         self.check(options)?;
         let statistics = self.store.statistics()?;
-        finished(&self.plan, &statistics, options, Some(&self.halo_units), progress)
+        finished(&self.plan, &statistics, options, self.width, Some(&self.halo_units), progress)
             .map(|(material, _)| material)
     }
 

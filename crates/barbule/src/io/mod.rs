@@ -71,6 +71,6 @@ pub use species::{
 pub use stack::{parse_stack, read_stack};
 pub use units::Units;
 pub use whole::{
-    LARGEST_INPUT, bytes_of, hash_bytes, hash_file, make_folder, read_at_most, read_bytes, read_own,
-    read_text,
+    LARGEST_INPUT, bytes_of, endings_beside, hash_bytes, hash_file, make_folder, read_at_most, read_bytes,
+    read_own, read_text,
 };

@@ -17,6 +17,19 @@ pub fn bytes_of(path: &Path) -> u64 {
     }
 }
 
+/// What follows `middle` in the names of files that begin with the name of `path` and it, in the folder where `path` is or is to be: files of the
+/// program's own beside an output. None where the folder cannot be listed.
+#[must_use]
+pub fn endings_beside(path: &Path, middle: &str) -> Vec<String> {
+    let Some(name) = path.file_name() else { return Vec::new() };
+    let ending = |entry: fs::DirEntry| {
+        let of_file = entry.file_name();
+        let rest = of_file.as_encoded_bytes().strip_prefix(name.as_encoded_bytes())?;
+        std::str::from_utf8(rest).ok()?.strip_prefix(middle).map(str::to_owned)
+    };
+    fs::read_dir(folder_of(path)).into_iter().flatten().flatten().filter_map(ending).collect()
+}
+
 /// The largest input file that is read: 64 MiB.
 pub const LARGEST_INPUT: u64 = 64 << 20;
 

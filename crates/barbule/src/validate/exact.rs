@@ -2,11 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Plan, unpolarized};
+use super::{Compared, Comparing, FullWaves, Plan, unpolarized};
 use crate::identity::Hasher;
 use crate::io::Units;
 use crate::math::simd::Width;
-use crate::progress::{OnlyStops, Progress, Shard};
+use crate::progress::{OnlyStops, Progress};
+use crate::solve::cost::Cost;
 use crate::solve::far_fields::{Effort, Prepared, Scattered, SectionSolver as _};
 use crate::{Error, Result};
 
@@ -48,12 +49,6 @@ impl Solved {
 }
 
 impl Plan {
-    /// How many of the wavelengths are there from before.
-    #[must_use]
-    pub fn done(&self, units: &Units) -> usize {
-        self.wavelengths.len() - self.missing(Some(units)).count()
-    }
-
     /// The wavelengths, by their places, that are not there from before.
     pub(super) fn missing(&self, units: Option<&Units>) -> impl Iterator<Item = usize> {
         let is_kept = move |nm: f64| units.is_some_and(|units| self.kept(units, nm).is_some());
@@ -85,8 +80,8 @@ impl Plan {
         (found.len() == self.phi_i.len() && found.iter().all(is_whole)).then_some(found)
     }
 
-    /// Of all that decides the bits of full waves at a wavelength: the closed section, the light and the program. What they are
-    /// compared with does not.
+    /// Of all that decides the bits of full waves at a wavelength: the closed section, the light, the program, and the processor, by its
+    /// widest instructions, since dense algebra chooses among these itself. What they are compared with does not.
     fn identity(&self, wavelength_nm: f64) -> String {
         let mut hasher = Hasher::new("full waves");
         hasher
@@ -103,49 +98,52 @@ impl Plan {
     }
 }
 
-/// Solves and keeps full waves of one part of the wavelengths of several individuals, of about equal time: [`run_all`](super::run_all)
-/// then finds them, whoever solved them. Those that are there from before take no time.
-///
-/// # Errors
-/// As the solver; a unit cannot be written; or the user cancelled, what is kept till then stays.
-pub fn solve_part(plans: &[Plan], shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
-    let own = part_of(plans, shard)?;
-    progress.begin("full waves", own.len() as u64);
-    for alike in own.chunk_by(|a, b| a.0 == b.0) {
-        let plan = &plans[alike[0].0];
+impl FullWaves {
+    /// The individual and the place of the wavelength of a unit.
+    fn place(&self, unit: usize) -> (&Plan, usize) {
+        let wavelengths = self.plans[0].wavelengths.len();
+        (&self.plans[unit / wavelengths], unit % wavelengths)
+    }
+}
+
+impl Comparing for FullWaves {
+    fn what(&self) -> &'static str {
+        if self.plans.len() > 1 { "individuals' wavelengths" } else { "wavelengths" }
+    }
+
+    fn units(&self) -> usize {
+        self.plans.len() * self.plans[0].wavelengths.len()
+    }
+
+    fn missing(&self, some: &[usize], kept: &Units) -> Vec<usize> {
+        let is_missing = |unit: &usize| {
+            let (plan, wavelength) = self.place(*unit);
+            plan.kept(kept, plan.wavelengths.nm()[wavelength]).is_none()
+        };
+        some.iter().copied().filter(is_missing).collect()
+    }
+
+    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+        let each = self.plans.iter().map(|plan| plan.costs(threads));
+        Ok(each.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    fn keep(&self, unit: usize, kept: &Units, progress: &dyn Progress) -> Result<()> {
+        let (plan, wavelength) = self.place(unit);
         let exact = plan.full.prepare(&plan.closed.regions)?;
-        for &(_, wavelength) in alike {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            plan.solved(&*exact, plan.wavelengths.nm()[wavelength], Some(units), progress)?;
-            progress.advance(1);
-        }
+        plan.solved(&*exact, plan.wavelengths.nm()[wavelength], Some(kept), progress).map(|_| ())
     }
-    Ok(())
-}
 
-/// How many wavelengths of a part are there from before, and how many it has.
-///
-/// # Errors
-/// A section does not suit the solver.
-pub fn done_of_part(plans: &[Plan], shard: Shard, units: &Units) -> Result<[usize; 2]> {
-    let own = part_of(plans, shard)?;
-    let is_there =
-        |(plan, w): &&(usize, usize)| plans[*plan].kept(units, plans[*plan].wavelengths.nm()[*w]).is_some();
-    Ok([own.iter().filter(is_there).count(), own.len()])
-}
-
-/// The plans and wavelengths, by their places, of a part.
-fn part_of(plans: &[Plan], shard: Shard) -> Result<Vec<(usize, usize)>> {
-    let mut all = Vec::new();
-    let mut costs = Vec::new();
-    for (place, plan) in plans.iter().enumerate() {
-        all.extend((0..plan.wavelengths.len()).map(|wavelength| (place, wavelength)));
-        // On one thread: parts are the same wherever they are computed.
-        costs.extend(plan.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default()));
+    fn finish(&self, kept: Option<&Units>, progress: &dyn Progress) -> Result<Compared> {
+        let found = self.run(kept, progress)?;
+        Ok(Compared {
+            name: self.plans[0].name.clone(),
+            numbers: found.numbers(),
+            figures: found.figures(),
+            tables: vec![("numbers.csv", found.csv()), ("patterns.csv", found.patterns_csv())],
+            table: found.table(),
+        })
     }
-    Ok(shard.by_cost(&costs).into_iter().map(|place| all[place]).collect())
 }
 
 fn unit_name(wavelength_nm: f64) -> String {

@@ -1,16 +1,22 @@
 //! How accurate the fast simulation is: the same sections by it and by full waves, in numbers and figures.
+//!
+//! [`FullWaveOptions`] and [`three_d::SegmentOptions`] make plans of a structure, whose units several processes may compute
+//! ([`Comparing`]).
 
 mod ensemble;
 mod exact;
 mod figures;
 mod numbers;
+mod options;
 mod spread;
 pub mod three_d;
+mod work;
 
 pub use ensemble::Ensemble;
-pub use exact::{done_of_part, solve_part};
 pub use numbers::{Case, Comparison, Incidence, tells_colours};
+pub use options::FullWaveOptions;
 pub use spread::Spread;
+pub use work::{Compared, Comparing, UNITS, units_in};
 
 use exact::Solved;
 use rayon::prelude::*;
@@ -118,27 +124,6 @@ impl Plan {
         4 * self.azimuths
     }
 
-    /// Runs both: [`run_all`] of one.
-    ///
-    /// # Errors
-    /// As [`run_all`].
-    pub fn run(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Comparison> {
-        let steps = self.begin(std::slice::from_ref(self), units, progress)?;
-        self.compare(units, &steps, progress)
-    }
-
-    /// Says how much there is to do, in steps of what the first plan's wavelengths take; the steps of each wavelength.
-    fn begin(&self, plans: &[Self], units: Option<&Units>, progress: &dyn Progress) -> Result<Vec<u64>> {
-        let seconds: Vec<f64> =
-            self.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default()).collect();
-        let all = seconds.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let steps: Vec<u64> = seconds.iter().map(|one| (STEPS * one / all).ceil() as u64).collect();
-        // What is there from before takes no time.
-        let left = plans.iter().flat_map(|plan| plan.missing(units)).map(|w| steps[w]).sum();
-        progress.begin("full waves", left);
-        Ok(steps)
-    }
-
     fn compare(&self, units: Option<&Units>, steps: &[u64], progress: &dyn Progress) -> Result<Comparison> {
         let light = self.light();
         let solver = (self.method.solver)(&Settings::default());
@@ -191,19 +176,55 @@ impl Plan {
 /// In how many steps the progress of an individual is told, about.
 const STEPS: f64 = 1000.0;
 
-/// Runs both of each individual, one after the other. Full waves of each wavelength, whose incidences share one solution, are kept as they
-/// come and taken from there another time: to the same bits, times and all.
-///
-/// # Errors
-/// No plans; as the solvers; a unit cannot be written; the plans' light differs; or the user cancelled.
-pub fn run_all(plans: &[Plan], units: Option<&Units>, progress: &dyn Progress) -> Result<Ensemble> {
-    let Some(first) = plans.first() else { return Ensemble::new(Vec::new()) };
-    if plans.iter().any(|plan| plan.wavelengths.nm() != first.wavelengths.nm()) {
-        return Err(Error::input("individuals are compared under different light; give all the same"));
+/// Several individuals against full waves; a [unit](Comparing) is a wavelength of one of them, whose incidences share one solution.
+#[derive(Debug, Clone)]
+pub struct FullWaves {
+    plans: Vec<Plan>,
+}
+
+impl FullWaves {
+    /// Of the plans of individuals under the same light.
+    ///
+    /// # Errors
+    /// There are none, or their wavelengths differ.
+    pub fn new(plans: Vec<Plan>) -> Result<Self> {
+        let Some(first) = plans.first() else {
+            return Err(Error::input("no individuals are compared; give at least one"));
+        };
+        if plans.iter().any(|plan| plan.wavelengths.nm() != first.wavelengths.nm()) {
+            return Err(Error::input("individuals are compared under different light; give all the same"));
+        }
+        Ok(Self { plans })
     }
-    let steps = first.begin(plans, units, progress)?;
-    let found = plans.iter().map(|plan| plan.compare(units, &steps, progress));
-    Ensemble::new(found.collect::<Result<_>>()?)
+
+    /// Each individual; at least one.
+    #[must_use]
+    pub fn individuals(&self) -> &[Plan] {
+        &self.plans
+    }
+
+    /// Runs both of each individual, one after the other. Full waves of each wavelength are kept as they come and taken from there
+    /// another time: to the same bits, times and all.
+    ///
+    /// # Errors
+    /// As the solvers; a unit cannot be written; or the user cancelled.
+    pub fn run(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Ensemble> {
+        let steps = self.begin(units, progress)?;
+        let found = self.plans.iter().map(|plan| plan.compare(units, &steps, progress));
+        Ensemble::new(found.collect::<Result<_>>()?)
+    }
+
+    /// Says how much there is to do, in steps of what the first individual's wavelengths take; the steps of each wavelength.
+    fn begin(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Vec<u64>> {
+        let costs = self.plans[0].costs(1)?;
+        let seconds: Vec<f64> = costs.into_iter().map(|cost| cost.seconds.unwrap_or_default()).collect();
+        let all = seconds.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let steps: Vec<u64> = seconds.iter().map(|one| (STEPS * one / all).ceil() as u64).collect();
+        // What is there from before takes no time.
+        let left = self.plans.iter().flat_map(|plan| plan.missing(units)).map(|w| steps[w]).sum();
+        progress.begin("full waves", left);
+        Ok(steps)
+    }
 }
 
 /// One wavelength and incidence by both.

@@ -11,14 +11,14 @@ use barbule::bsdf::{
     Surface,
 };
 use barbule::math::rng::Stream;
-use barbule::progress::{Progress, Unobserved};
+use barbule::progress::{Progress, Shard, Unobserved};
 use barbule::render::checkpoint;
 use barbule::render::faults::Faults;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
 use barbule::render::light::{LightSample, Lighting};
 use barbule::render::planes::{Bands, Planes};
-use barbule::render::run::{Ended, Goal, run};
+use barbule::render::run::{Ended, Goal, is_done, run};
 use barbule::render::stage::Stage;
 use barbule::scene::camera::{Camera, Projection};
 use barbule::scene::emission::Emission;
@@ -616,12 +616,39 @@ fn an_interrupted_picture_goes_on_to_the_same_bits() {
         let ended =
             run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
         assert_eq!(ended.unwrap(), Ended::Stopped);
-        part =
-            checkpoint::read(&checkpoint::write(&part, &name), &name, [70, 40], Planes::default()).unwrap();
+        let bytes = checkpoint::write(&part, &name);
+        part = checkpoint::read(&bytes, &name, Film::new([70, 40]).unwrap()).unwrap();
     }
     assert_ne!(part, whole);
     assert_eq!(run(&integrator, &mut part, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap(), Ended::Done);
     assert_eq!(part, whole);
+}
+
+/// Each part of a picture, stopped and read back on the way, with tiles that end by their noise: together they are the picture.
+#[test]
+fn parts_that_were_interrupted_are_together_the_picture() {
+    let scene = starling();
+    let integrator = scene.integrator(5, Technique::Both);
+    let goal = Goal { noise: Some(0.08), ..Goal::samples(24) };
+    let size = [100, 70];
+    let mut whole = Film::new(size).unwrap();
+    run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
+    let name = checkpoint::name(&close_up(), 1, "", &Planes::default());
+    for of in [1, 2, 5] {
+        let mut joined = Film::new(size).unwrap();
+        for shard in (0..of).map(|number| Shard::new(number, of).unwrap()) {
+            let empty = || Film::part(size, Planes::default(), shard).unwrap();
+            let mut part = empty();
+            assert!(!is_done(&part, &goal));
+            let patience = Impatient(AtomicU64::new(10));
+            run(&integrator, &mut part, 3, goal, &patience, &mut |_| Ok(())).unwrap();
+            part = checkpoint::read(&checkpoint::write(&part, &name), &name, empty()).unwrap();
+            run(&integrator, &mut part, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
+            assert!(is_done(&part, &goal));
+            joined.join(part).unwrap();
+        }
+        assert!(joined == whole, "of {of}");
+    }
 }
 
 /// A stage is made once: under other lamps and from elsewhere it shows what a stage of its own shows.

@@ -46,7 +46,12 @@ impl<'a> Checkpoints<'a> {
 
     /// The checkpoint of a picture of this name.
     pub(super) fn of(&'a self, job: &Job<'_>, name: [u8; 32]) -> Kept<'a> {
-        Kept { of: self, path: path_of(job.file), name, last: Instant::now() }
+        self.at(path_of(job.file), name)
+    }
+
+    /// What is kept in a file, under this name.
+    pub(super) fn at(&'a self, path: PathBuf, name: [u8; 32]) -> Kept<'a> {
+        Kept { of: self, path, name, last: Instant::now() }
     }
 
     /// Whether a picture ended of which none could be written.
@@ -75,11 +80,13 @@ impl Kept<'_> {
     /// The file is no checkpoint of this picture.
     pub(super) fn film(&self, job: &Job<'_>) -> Result<Film> {
         let path: &Path = &self.path;
+        let film = Film::with(job.size, job.planes.clone())?;
         if !(self.of.are_wanted && path.exists()) {
-            return Film::with(job.size, job.planes.clone());
+            return Ok(film);
         }
-        let bytes = read_own(path, checkpoint::bytes(job.size, job.planes))?;
-        checkpoint::read(&bytes, &self.name, job.size, job.planes.clone()).map_err(|e| e.at(path.display()))
+        let bytes = read_own(path, checkpoint::bytes(&film))?;
+        checkpoint::read(&bytes, &self.name, film)
+            .map_err(|error| error.followed_by("; delete it to begin again").at(path.display()))
     }
 
     /// Writes it where the last one is old.

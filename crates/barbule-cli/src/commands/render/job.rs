@@ -46,16 +46,14 @@ impl Args {
         let name = checkpoint::name(&**description, seed, program, job.planes);
         let mut kept = checkpoints.of(job, name);
         let mut film = kept.film(job)?;
+        let (parts, joined) = self.join(description, job, &mut film)?;
         let before = film.samples();
         let begun = Instant::now();
         let (mut last_seen, mut said) = (Instant::now(), false);
         let ended = set.render(description, &mut film, seed, job.goal, terminal, &mut |film| {
             kept.now_and_then(film);
             if self.preview.is_some_and(|every| last_seen.elapsed() >= every) {
-                let shown = self.developed(description, job, film, (None, None)).and_then(
-                    |(picture, provenance, _)| picture.write(&provenance.with("preview", "yes").notes()),
-                );
-                if let Err(error) = shown
+                if let Err(error) = self.write_preview(description, job, film)
                     && !std::mem::replace(&mut said, true)
                 {
                     self.common.say(&format!("{error}; rendering goes on without a preview"));
@@ -84,6 +82,9 @@ impl Args {
         if is_stopped {
             return Err(self.interrupted(job, &film, checkpoints));
         }
+        if ended == Ended::Done {
+            parts.delete(&joined.taken)?;
+        }
         let (counts, paths) = (set.counts(), film.samples() - before);
         self.common.explain(&format!("{paths} paths in {seconds:.1} s"));
         let mut report = serde_json::json!({
@@ -103,8 +104,14 @@ impl Args {
         Ok((report, exposure, ended))
     }
 
+    /// Writes a picture as it is so far.
+    fn write_preview(&self, description: &ReadyScene, job: &Job<'_>, film: &Film) -> Result<()> {
+        let (picture, provenance, _) = self.developed(description, job, film, (None, None))?;
+        picture.write(&provenance.with("preview", "yes").notes())
+    }
+
     /// Says how many samples no light could make, and where the first of them was.
-    fn say_faults(&self, faults: &Faults, description: &ReadyScene) {
+    pub(super) fn say_faults(&self, faults: &Faults, description: &ReadyScene) {
         let Some(first) = faults.first else { return };
         let names = description.object_names();
         let object = first.object.and_then(|object| names.get(object as usize));

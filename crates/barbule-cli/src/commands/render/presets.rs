@@ -15,6 +15,7 @@ pub(super) fn after_help() -> String {
          barbule render my-bird.toml -o my-bird.png\n  \
          barbule render starling --background none -o starling.exr\n  \
          barbule render starling --frames 25 --arc light=40 -o glints.png\n  \
+         barbule render starling --shard 0/4 -o starling.png\n  \
          barbule render starling --sensor bird:starling --human human.png -o bird.png\n  \
          barbule render starling --toml\n  \
          barbule render --list\n\nPresets: {}",

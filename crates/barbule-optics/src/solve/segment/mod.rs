@@ -25,6 +25,9 @@ use crate::spectrum::wave_number_per_um;
 use crate::structure::{Line, Sampled, Segment, SegmentGrid};
 use crate::{Error, Result};
 
+/// CPU seconds that a roughened boundary takes at each cell, with the layer above it.
+const PLACE_S: f64 = 1.2e-7;
+
 /// Components of a current: J_x, J_y, J_z, M_x, M_y, M_z.
 const COMPONENTS: usize = 6;
 
@@ -43,8 +46,8 @@ pub struct SegmentLight {
     pub turn: f64,
 }
 
-/// How finely a segment is sampled.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// How finely a segment is sampled, and with which instructions it is computed.
+#[derive(Debug, Clone, Copy)]
 pub struct SegmentAccuracy {
     /// Largest cells along x and y in wavelengths.
     pub cells: [f64; 2],
@@ -54,13 +57,15 @@ pub struct SegmentAccuracy {
     pub interpolation: f64,
     /// Bytes of transformed currents that are held at a time; what is over it is computed again in further passes.
     pub held_bytes: usize,
+    /// SIMD instructions, on which only roundings depend.
+    pub width: Width,
 }
 
 impl Default for SegmentAccuracy {
     /// At 400 nm, intensities within 1.3e-2 (relative L2) of those of cells half as long, energies within 4e-3; of crystals within
     /// 7e-5 and 1e-5.
     fn default() -> Self {
-        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30 }
+        Self { cells: [0.2, 0.25], parts: 2, interpolation: 1e-4, held_bytes: 1 << 30, width: Width::best() }
     }
 }
 
@@ -208,11 +213,11 @@ pub fn far_field(
     let grid = grid(segment, light, accuracy)?;
     let sampled = segment.sampled(grid, accuracy.parts)?;
     let incidence = Incidence::new(light);
-    let reflector = Reflector::new(segment, &sampled, light, &incidence, progress)?;
+    let reflector = Reflector::new(segment, &sampled, light, &incidence, accuracy.width, progress)?;
     radiate::radiate(&sampled, &reflector, &incidence, light, accuracy, progress)
 }
 
-/// What [`far_field`] takes on so many threads.
+/// What [`far_field`] takes on so many threads; the seconds within a factor of two.
 ///
 /// # Errors
 /// As [`far_field`], as far as that is known without its work.
@@ -223,8 +228,13 @@ pub fn cost(
     threads: usize,
 ) -> Result<Cost> {
     let grid = grid(segment, light, accuracy)?;
-    let radiated = radiate::bytes(&grid, segment.roughness, light, accuracy, threads)?;
-    Ok(Cost { bytes: radiated + segment.sampled_bytes(&grid, accuracy.parts), ..Cost::default() })
+    let (bytes, radiating) = radiate::cost(&grid, segment.roughness, light, accuracy, threads)?;
+    let places = (grid.cells[0] * grid.cells[1] * segment.roughened()) as f64;
+    Ok(Cost {
+        bytes: bytes + segment.sampled_bytes(&grid, accuracy.parts),
+        seconds: Some((radiating + PLACE_S * places) / threads.max(1) as f64),
+        ..Cost::default()
+    })
 }
 
 /// The cells on which a segment is sampled.
@@ -248,10 +258,11 @@ impl<'a> Reflector<'a> {
         sampled: &'a Sampled<'a>,
         light: &SegmentLight,
         incidence: &Incidence,
+        width: Width,
         progress: &dyn Progress,
     ) -> Result<Self> {
         Ok(match &segment.section.crystal {
-            None => Self::Layers(layered::Stacks::new(sampled, light.wavelength_nm, Width::best())?),
+            None => Self::Layers(layered::Stacks::new(sampled, light.wavelength_nm, width)?),
             Some(layer) => Self::Crystal(crystal::Crystal::new(
                 segment,
                 layer,

@@ -23,6 +23,10 @@ const CHUNK: usize = 512;
 /// Real numbers of both polarizations' currents at a point.
 const VALUES: usize = 2 * 2 * COMPONENTS;
 
+/// CPU seconds of a multiplication in matrix products, and of a value of their kernels.
+const PRODUCT_S: f64 = 2.5e-11;
+const KERNEL_S: f64 = 1e-8;
+
 /// Standard deviations of the roughness that the interpolation over ω_z holds.
 const HIGHEST: f64 = 5.0;
 
@@ -107,6 +111,14 @@ impl Plan {
         (self.held_bytes / (4 * self.columns() * lines.next_multiple_of(LINES))).max(1)
     }
 
+    /// Multiplications of the matrix products, and values of their kernels.
+    fn operations(&self, lines: usize) -> [f64; 2] {
+        // Of each row so many directions are above the horizon.
+        let directions = std::f64::consts::FRAC_PI_4 * self.directions() as f64;
+        let kernels = (self.rows.end - self.rows.start) as f64 * directions * lines as f64;
+        [2.0 * kernels * self.columns() as f64, kernels]
+    }
+
     /// Memory on so many threads.
     fn bytes(&self, grid: &SegmentGrid, threads: usize) -> u64 {
         let lines = grid.cells[0].next_multiple_of(LINES);
@@ -119,18 +131,20 @@ impl Plan {
     }
 }
 
-/// Memory that a far field takes on so many threads, bytes.
+/// Memory that a far field takes on so many threads, bytes, and CPU seconds of radiating.
 ///
 /// # Errors
 /// Cells are too long for the wavelength.
-pub(super) fn bytes(
+pub(super) fn cost(
     grid: &SegmentGrid,
     roughness: Roughness,
     light: &SegmentLight,
     accuracy: &SegmentAccuracy,
     threads: usize,
-) -> Result<u64> {
-    Ok(Plan::new(grid, roughness, light, accuracy)?.bytes(grid, threads))
+) -> Result<(u64, f64)> {
+    let plan = Plan::new(grid, roughness, light, accuracy)?;
+    let [products, kernels] = plan.operations(grid.cells[0]);
+    Ok((plan.bytes(grid, threads), products * PRODUCT_S + kernels * KERNEL_S))
 }
 
 pub(super) fn radiate(
@@ -182,7 +196,7 @@ pub(super) fn radiate(
                     plan: &plan,
                     places: &places,
                     turn: light.turn,
-                    width: Width::best(),
+                    width: accuracy.width,
                     held,
                     count,
                     index,

@@ -12,6 +12,8 @@ mod tests;
 
 pub use crystal::{ABSORPTION, RAMP, RAMP_STEP_UM};
 
+use serde::{Deserialize, Serialize};
+
 use super::section::{Inclusion, Loop, Medium, Parts, Polyline, Section, Substance, refuse};
 use crate::Result;
 use crate::material::Library;
@@ -30,10 +32,12 @@ pub enum Beneath {
 }
 
 /// How layers end at the sides of a section.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Ends {
     /// Freely: layers that the medium around parts are slabs of their own in it, and what hardly any light reaches under the last of
     /// them is left out of both sections. Layers that touch lie in each other's walls all the same.
+    #[default]
     Open,
     /// In walls of the first medium, as thick as the cortex: the outline of a whole barbule.
     Closed,

@@ -157,10 +157,16 @@ impl Segment {
         Ok(media)
     }
 
+    /// Fields of roughness that are known at each cell: height and slopes of the top, heights of the boundaries.
+    #[must_use]
+    pub fn roughened(&self) -> usize {
+        self.boundaries.len() + 3
+    }
+
     /// Bytes that preparing it on a grid takes.
     #[must_use]
     pub fn sampled_bytes(&self, grid: &SegmentGrid, parts: usize) -> u64 {
-        let lines = (self.boundaries.len() + 3).saturating_mul(Relief::bytes_on(grid.cells[1]));
+        let lines = self.roughened().saturating_mul(Relief::bytes_on(grid.cells[1]));
         let rays = grid.cells[0].saturating_mul(parts).saturating_mul(40 * (self.boundaries.len() + 8));
         lines.saturating_add(rays) as u64
     }

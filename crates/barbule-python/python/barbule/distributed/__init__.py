@@ -1,4 +1,4 @@
-"""Campaigns, sweeps and pictures on a cluster of Dask.
+"""Campaigns, sweeps, comparisons and pictures on a cluster of Dask.
 
 Each function is that of `barbule` with a `client`, and a place for results that all workers see: a folder of a shared file system or, for stores,
 a URL such as ``s3://bucket/S.zarr``. Work is cut into tasks of a few seconds that run inside the workers' processes, one thread
@@ -14,5 +14,7 @@ from ._atlas import atlas
 from ._calls import crystal, far_fields, spectrum
 from ._campaign import characterize, simulate
 from ._frames import render_frames
+from ._picture import render
+from ._validate import validate
 
-__all__ = ["atlas", "characterize", "crystal", "far_fields", "render_frames", "simulate", "spectrum"]
+__all__ = ["atlas", "characterize", "crystal", "far_fields", "render", "render_frames", "simulate", "spectrum", "validate"]

@@ -15,8 +15,8 @@ from .._opening import Name
 from .._progress import ProgressLike, watched
 from ..errors import InputError, MachineError
 from ._engine import UNIT_SECONDS, asked, compute
+from ._fill import runs
 from ._mirror import is_url
-from ._sweep import runs
 from ._work import Watch, identity_of, placed_media
 
 #: How often what is damaged or lost is computed again before the call gives up.

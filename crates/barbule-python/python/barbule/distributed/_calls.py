@@ -183,7 +183,7 @@ class CrystalSweep(Sweep):
     theta_deg: float
     solver: str
 
-    label = "crystal"
+    label = "crystals"
 
     @property
     def description(self) -> dict[str, Any]:

@@ -246,7 +246,7 @@ def characterize(
         thin: As for `barbule.characterize`.
         seed: As for `barbule.characterize`.
         mirror: As for `barbule.characterize`.
-        halo: As for `barbule.characterize`; workers must have the same SIMD instructions then.
+        halo: As for `barbule.characterize`.
         sigma: The spread along the barbule; 0.04 without.
         storage_options: As for `simulate`, and so the next ones.
         cache: As for `simulate`.
@@ -263,8 +263,6 @@ def characterize(
     """
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
     work, opened, cluster = _described(structure, store, options, (), storage_options, cache, media, simd, unit_seconds, client)
-    if halo and not cluster.are_alike:
-        raise InputError("a halo needs workers that have the same widest SIMD instructions as this process; choose alike machines")
     if halo and is_url(work.store):
         raise InputError("a halo is kept in a folder beside the store; give a store in a folder that all workers see")
     how: dict[str, Any] = {"threads": threads, "retries": retries, "progress": progress}

@@ -74,6 +74,16 @@ def asked(client: Any, simd: str | None = None) -> Cluster:
     )
 
 
+def refuse_unlike(cluster: Cluster, what: str) -> None:
+    """Refuses workers of several kinds for work whose last bits depend on the processor, and cannot be pinned.
+
+    Raises:
+        InputError: The widest SIMD instructions of the workers and of this process differ.
+    """
+    if not cluster.are_alike:
+        raise InputError(f"{what} need workers with the same widest SIMD instructions as this process; choose machines that are alike")
+
+
 def compute(
     work: Work,
     tasks: Sequence[range],

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from os import PathLike
@@ -16,7 +12,8 @@ from .._opening import Name
 from .._progress import ProgressLike
 from .._scene import Scene
 from ..errors import InputError, MachineError
-from ._engine import asked, compute
+from ._engine import asked, compute, refuse_unlike
+from ._notes import is_noted, note
 from ._work import Watch, identity_of, placed, placed_media
 
 #: Memory that a frame is counted with where nothing else is said, bytes.
@@ -64,12 +61,11 @@ class PreparedFrames:
         work = self._work
         if is_there(work, item):
             return
-        text, folder = work.scenes[item]
-        scene = Scene.load(text, media=dict(work.media), progress=watch) if folder is None else Scene.parse(text, folder)
+        scene = opened(work.scenes[item], work.media, watch)
         picture = scene.render(media=dict(work.media), cache=work.cache, threads=threads, progress=watch, **dict(work.how))
         path = Path(work.files[item])
         picture.save(path)
-        _note(path, {"frame": work.frame_identity(item), "picture": _sum(path)})
+        note(path, work.frame_identity(item))
 
     def close(self) -> None:
         """Nothing stays open."""
@@ -77,12 +73,7 @@ class PreparedFrames:
 
 def is_there(work: FramesWork, number: int) -> bool:
     """Whether a frame's file is there, is whole, and is of this scene."""
-    path = Path(work.files[number])
-    try:
-        note = json.loads(_note_of(path).read_text(encoding="utf-8"))
-        return bool(note == {"frame": work.frame_identity(number), "picture": _sum(path)})
-    except (OSError, ValueError):
-        return False
+    return is_noted(Path(work.files[number]), work.frame_identity(number))
 
 
 def render_frames(
@@ -138,9 +129,7 @@ def render_frames(
     """
     if not scenes:
         raise InputError("'scenes' is empty; give at least one")
-    path = Path(output).absolute()
-    if not path.suffix or not path.parent.is_dir():
-        raise InputError(f"'output' is {output}; give the name of a picture in a folder that is there, as in F.png")
+    path = checked_output(output)
     how = {
         "size": size,
         "samples": samples,
@@ -152,13 +141,14 @@ def render_frames(
         "white_balance": white_balance,
     }
     work = FramesWork(
-        scenes=tuple(_sent(scene) for scene in scenes),
+        scenes=tuple(sent(scene) for scene in scenes),
         files=tuple(str(path.with_name(f"{path.stem}-{number:04}{path.suffix}")) for number in range(len(scenes))),
         media=placed_media(media),
         cache=None if cache is None else str(Path(cache).absolute()),
         how=tuple(how.items()),
     )
     cluster = asked(client)
+    refuse_unlike(cluster, "pictures")
     tasks = [range(number, number + 1) for number in _missing(work)]
     compute(work, tasks, cluster, memory_bytes=memory_bytes, threads=threads, retries=retries, progress=progress)
     missing = _missing(work)
@@ -174,22 +164,28 @@ def _missing(work: FramesWork) -> list[int]:
     return [number for number in range(len(work.files)) if not is_there(work, number)]
 
 
-def _sent(scene: Scene | Name) -> Sent:
+def checked_output(output: Union[str, "PathLike[str]"]) -> Path:
+    """The whole path of a picture.
+
+    Raises:
+        InputError: It has no ending, or there is no such folder.
+    """
+    path = Path(output).absolute()
+    if not path.suffix or not path.parent.is_dir():
+        raise InputError(f"'output' is {output}; give the name of a picture in a folder that is there, as in F.png")
+    return path
+
+
+def sent(scene: Scene | Name) -> Sent:
+    """A scene as it goes to workers."""
     if isinstance(scene, Scene):
         return scene.toml(), str(Path(scene.folder).absolute())
     return placed(scene), None
 
 
-def _note_of(path: Path) -> Path:
-    return path.with_name(f".{path.name}.json")
-
-
-def _note(path: Path, what: Mapping[str, str]) -> None:
-    """Writes the note beside a picture, whole or not at all."""
-    with tempfile.NamedTemporaryFile("w", dir=path.parent, prefix=".note-", delete=False, encoding="utf-8") as file:
-        json.dump(dict(what), file)
-    os.replace(file.name, _note_of(path))
-
-
-def _sum(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+def opened(scene: Sent, media: Sequence[tuple[str, str]], watch: Watch | None) -> Scene:
+    """The same scene again."""
+    text, folder = scene
+    if folder is not None:
+        return Scene.parse(text, folder)
+    return Scene.load(text, media=dict(media), progress=watch or False)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import time
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import ceil, prod
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,8 @@ from .._labels import Axis
 from .._progress import ProgressLike
 from ..errors import InputError, MachineError
 from ._dask import needed
-from ._engine import Cluster, compute
+from ._engine import Cluster, refuse_unlike
+from ._fill import fill
 from ._mirror import is_url
 from ._work import VERSION, Prepared, Watch, identity_of
 
@@ -146,51 +146,28 @@ def filled(
     retries: int,
     progress: ProgressLike,
 ) -> Any:
-    """Fills the store of a sweep, or goes on with it; the dataset, by xarray where it is installed, else the Zarr group.
-
-    How long an item takes is measured with the first of them, one on each worker's slot; then as many go into a task as take
-    `unit_seconds`.
-    """
-    group = _made(sweep)
-    how: dict[str, Any] = {"memory_bytes": memory_bytes, "threads": threads, "retries": retries, "progress": progress}
-    together, measured = 1, 0
-    while True:
-        missing = _missing(group)
-        if not missing:
-            break
-        if together == 1 and measured < 2 and len(missing) > cluster.slots:
-            # The second time everything is loaded.
-            some = missing[: cluster.slots]
-            begun = time.monotonic()
-            compute(sweep, [range(item, item + 1) for item in some], cluster, **how)
-            seconds = max(time.monotonic() - begun, 1e-3)
-            measured = 2 if seconds >= unit_seconds else measured + 1
-            if measured == 2 and seconds < unit_seconds:
-                together = ceil(unit_seconds / seconds)
-        else:
-            before = len(missing)
-            compute(sweep, runs(missing, together), cluster, **how)
-            if len(_missing(group)) == before:
-                raise MachineError(f"{sweep.store}: nothing has come; look whether all workers see the same store")
+    """Fills the store of a sweep, or goes on with it; the dataset, by xarray where it is installed, else the Zarr group."""
+    refuse_unlike(cluster, sweep.label)
+    group = _made(sweep, cluster.simd)
+    fill(
+        sweep,
+        lambda: _missing(group),
+        cluster,
+        unit_seconds=unit_seconds,
+        memory_bytes=memory_bytes,
+        threads=threads,
+        retries=retries,
+        progress=progress,
+        place=sweep.store,
+    )
     return _dataset(sweep, group)
-
-
-def runs(items: Sequence[int], together: int) -> list[range]:
-    """Runs of neighbours, none longer than `together`."""
-    runs: list[range] = []
-    for item in items:
-        if runs and runs[-1].stop == item and len(runs[-1]) < together:
-            runs[-1] = range(runs[-1].start, item + 1)
-        else:
-            runs.append(range(item, item + 1))
-    return runs
 
 
 def _missing(group: Any) -> list[int]:
     return [int(item) for item in np.flatnonzero(np.asarray(group[DONE][...]).ravel() == 0)]
 
 
-def _made(sweep: Sweep) -> Any:
+def _made(sweep: Sweep, simd: str) -> Any:
     """The store, made where it is not there.
 
     Raises:
@@ -199,7 +176,7 @@ def _made(sweep: Sweep) -> Any:
     """
     zarr = needed("zarr", "a sweep")
     layout = sweep.layout
-    described = {"layout": LAYOUT, "version": VERSION, **sweep.description}
+    described = {"layout": LAYOUT, "version": VERSION, "simd": simd, **sweep.description}
     described = json.loads(json.dumps(described))
     try:
         group = sweep.group("a")

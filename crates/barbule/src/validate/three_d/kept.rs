@@ -3,14 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Found, Plan, USUAL_SIGMA};
-use crate::clock;
+use crate::Result;
 use crate::identity::Hasher;
 use crate::io::Units;
-use crate::math::simd::Width;
-use crate::progress::{OnlyStops, Progress, Shard};
-use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
+use crate::progress::{OnlyStops, Progress};
+use crate::solve::cost::Cost;
+use crate::solve::segment::{self, Hemisphere, SegmentLight};
 use crate::structure::Segment;
-use crate::{Error, Result};
+use crate::validate::{Compared, Comparing};
 
 /// What one wavelength and direction give.
 #[derive(Default, Serialize, Deserialize)]
@@ -70,86 +70,70 @@ impl KeptSegment {
     }
 }
 
+impl Comparing for Plan {
+    fn what(&self) -> &'static str {
+        "far fields"
+    }
+
+    fn units(&self) -> usize {
+        self.count()
+    }
+
+    fn missing(&self, some: &[usize], kept: &Units) -> Vec<usize> {
+        let mut left = Vec::new();
+        // What is kept of all instances together is looked for once.
+        for cell in some.chunk_by(|a, b| a / self.instances == b / self.instances) {
+            let (direction, nm, _) = self.place(cell[0]);
+            if self.kept_cell(kept, direction, nm, self.sigma()).is_none() {
+                let is_missing = |unit: &usize| {
+                    let (_, _, index) = self.place(*unit);
+                    self.kept(kept, &self.light(nm, direction, index), index).is_none()
+                };
+                left.extend(cell.iter().copied().filter(is_missing));
+            }
+        }
+        left
+    }
+
+    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+        // All instances are as large.
+        let segment = self.segment(0)?;
+        let each = (0..self.units()).step_by(self.instances).map(|unit| {
+            let (direction, nm, _) = self.place(unit);
+            let cost = segment::cost(&segment, &self.light(nm, direction, 0), &self.accuracy(), threads)?;
+            Ok(vec![cost; self.instances])
+        });
+        Ok(each.collect::<Result<Vec<_>>>()?.concat())
+    }
+
+    fn keep(&self, unit: usize, kept: &Units, progress: &dyn Progress) -> Result<()> {
+        if self.missing(&[unit], kept).is_empty() {
+            return Ok(());
+        }
+        let (direction, nm, index) = self.place(unit);
+        let light = self.light(nm, direction, index);
+        self.scattered(&self.segment(index)?, &light, index, Some(kept), progress).map(|_| ())
+    }
+
+    fn finish(&self, kept: Option<&Units>, progress: &dyn Progress) -> Result<Compared> {
+        let found = self.run(kept, progress)?;
+        Ok(Compared {
+            name: self.structure.name(),
+            numbers: found.numbers(),
+            figures: found.figures(),
+            tables: Vec::new(),
+            table: found.table(),
+        })
+    }
+}
+
 impl Plan {
-    /// How many of the far fields of segments are there from before.
-    #[must_use]
-    pub fn done(&self, units: &Units) -> usize {
-        let mut done = 0;
-        for &direction in &self.directions {
-            for &nm in self.wavelengths.nm() {
-                if self.kept_cell(units, direction, nm, self.sigma()).is_some() {
-                    done += self.instances;
-                    continue;
-                }
-                let is_there =
-                    |index: &usize| self.kept(units, &self.light(nm, direction, *index), *index).is_some();
-                done += (0..self.instances).filter(is_there).count();
-            }
-        }
-        done
-    }
-
-    /// Computes and keeps the far fields of a part of the segments, of about equal time: [`Self::run`] then finds them, whoever computed
-    /// them. Those that are there from before take no time.
-    ///
-    /// # Errors
-    /// As the solver; a unit cannot be written; or the user cancelled, what is kept till then stays.
-    pub fn run_part(&self, shard: Shard, units: &Units, progress: &dyn Progress) -> Result<()> {
-        let own = self.part_of(shard);
-        progress.begin("segments", own.len() as u64);
-        let mut segments: Vec<Option<Segment>> = vec![None; self.instances];
-        for cell in own.chunk_by(|a, b| a[..2] == b[..2]) {
-            let (direction, nm) = (self.directions[cell[0][0]], self.wavelengths.nm()[cell[0][1]]);
-            let is_there = self.kept_cell(units, direction, nm, self.sigma()).is_some();
-            for &[_, _, index] in cell {
-                if progress.is_cancelled() {
-                    return Err(Error::interrupted());
-                }
-                let light = self.light(nm, direction, index);
-                if !is_there && self.kept(units, &light, index).is_none() {
-                    let segment = match segments[index].take() {
-                        Some(segment) => segment,
-                        None => self.structure.segment(self.seed, index, self.length_um, self.roughness)?,
-                    };
-                    self.scattered(&segment, &light, index, Some(units), progress)?;
-                    segments[index] = Some(segment);
-                }
-                progress.advance(1);
-            }
-        }
-        Ok(())
-    }
-
-    /// How many far fields of a part are there from before, and how many it has.
-    #[must_use]
-    pub fn done_of_part(&self, shard: Shard, units: &Units) -> [usize; 2] {
-        let own = self.part_of(shard);
-        let mut done = 0;
-        for cell in own.chunk_by(|a, b| a[..2] == b[..2]) {
-            let (direction, nm) = (self.directions[cell[0][0]], self.wavelengths.nm()[cell[0][1]]);
-            done += if self.kept_cell(units, direction, nm, self.sigma()).is_some() {
-                cell.len()
-            } else {
-                let is_there =
-                    |at: &&[usize; 3]| self.kept(units, &self.light(nm, direction, at[2]), at[2]).is_some();
-                cell.iter().filter(is_there).count()
-            };
-        }
-        [done, own.len()]
-    }
-
-    /// Directions, wavelengths and instances, by their places, of a part.
-    fn part_of(&self, shard: Shard) -> Vec<[usize; 3]> {
-        let mut all = Vec::with_capacity(self.count());
-        let mut costs = Vec::with_capacity(self.count());
-        for direction in 0..self.directions.len() {
-            for (w, nm) in self.wavelengths.nm().iter().enumerate() {
-                all.extend((0..self.instances).map(|index| [direction, w, index]));
-                // As many cells are in a segment as squares of wavelengths.
-                costs.resize(all.len(), nm.powi(-2));
-            }
-        }
-        shard.by_cost(&costs).into_iter().map(|place| all[place]).collect()
+    /// The direction of the light (θ_i and φ_i, rad), the wavelength (nm) and the instance of a unit: all instances of a wavelength follow
+    /// one another, and all wavelengths of a direction.
+    fn place(&self, unit: usize) -> ([f64; 2], f64, usize) {
+        let (cell, index) = (unit / self.instances, unit % self.instances);
+        let count = self.wavelengths.len();
+        (self.directions[cell / count], self.wavelengths.nm()[cell % count], index)
     }
 
     /// σ of the BRDF that pictures are compared with.
@@ -169,9 +153,9 @@ impl Plan {
         if let Some(kept) = units.and_then(|units| self.kept(units, light, index)) {
             return Ok(kept);
         }
-        let begun = clock::system();
-        let far = segment::far_field(segment, light, &SegmentAccuracy::default(), &OnlyStops(progress))?;
-        let seconds = (clock::system() - begun).as_secs_f64();
+        let begun = (self.clock)();
+        let far = segment::far_field(segment, light, &self.accuracy(), &OnlyStops(progress))?;
+        let seconds = ((self.clock)() - begun).as_secs_f64();
         let found = Scattered { intensity: far.intensity(), far, seconds };
         if let Some(units) = units {
             units.keep(
@@ -247,7 +231,7 @@ impl Plan {
         let mut hasher = Hasher::new(kind);
         hasher
             .text("program", env!("CARGO_PKG_VERSION"))
-            .text("simd", Width::best().name())
+            .text("simd", self.width.name())
             .text("structure", &self.structure.hash())
             .count("seed", self.seed)
             .number("length_um", self.length_um)
@@ -271,9 +255,11 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use super::*;
-    use crate::progress::Unobserved;
-    use crate::spectrum::Wavelengths;
-    use crate::structure::{Roughness, Structure};
+    use crate::math::simd::Width;
+    use crate::progress::{NO_CLOCK, Shard, Unobserved};
+    use crate::structure::Structure;
+    use crate::validate::three_d::SegmentOptions;
+    use crate::validate::work::tests::files;
 
     /// Asks to stop after so many steps.
     struct StopsAfter(u64, AtomicU64);
@@ -288,21 +274,26 @@ mod tests {
         }
     }
 
+    /// Two wavelengths of one direction.
+    fn small(instances: usize, width: Width) -> Plan {
+        let options = SegmentOptions {
+            wavelengths_nm: Some(vec![600.0, 650.0]),
+            instances: Some(instances),
+            length_um: Some(6.0),
+            ..SegmentOptions::default()
+        };
+        let structure = Structure::flat("air/keratin:300±5%/melanin:300/air").unwrap();
+        let plan = options.plan(structure, None, width, NO_CLOCK).unwrap();
+        Plan { directions: vec![[0.0, 0.3]], ..plan }
+    }
+
     #[test]
     fn a_stopped_comparison_goes_on_to_the_same_bits() {
         let folder = tempfile::tempdir().unwrap();
         let units = Units::new(folder.path());
-        let plan = Plan {
-            structure: Structure::flat("air/keratin:300±5%/melanin:300/air").unwrap(),
-            seed: 1,
-            instances: 3,
-            wavelengths: Wavelengths::new(vec![600.0, 650.0]).unwrap(),
-            directions: vec![[0.0, 0.3]],
-            length_um: 6.0,
-            roughness: Roughness::default(),
-            tilt: 0.03,
-            material: None,
-        };
+        let plan = small(3, Width::best());
+        // The BRDF contains it.
+        assert_eq!(plan.tilt, crate::characterize::CampaignOptions::default().tilt_deg.to_radians());
         let stopped = plan.run(Some(&units), &StopsAfter(5, AtomicU64::new(0)));
         assert!(stopped.unwrap_err().is_interrupted());
         // One wavelength whole, and two of three segments of the other.
@@ -315,5 +306,51 @@ mod tests {
         assert!(resumed.pictures[0].flat == fresh.pictures[0].flat);
         assert!(resumed.pictures[0].segments == fresh.pictures[0].segments);
         assert_eq!((plan.done(&units), std::fs::read_dir(folder.path()).unwrap().count()), (6, 2));
+    }
+
+    /// Whoever computes a unit, and in whatever order, it is the same file; and so is what all of them give together.
+    #[test]
+    fn parts_units_and_one_run_keep_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let [parts, units, whole] =
+            ["parts", "units", "whole"].map(|name| (folder.path().join(name), small(2, Width::best())));
+        let kept = |(path, _): &(std::path::PathBuf, Plan)| Units::new(path);
+        for number in [1, 0] {
+            let shard = Shard::new(number, 2).unwrap();
+            parts.1.run_part(shard, &kept(&parts), &Unobserved).unwrap();
+            assert_eq!(parts.1.done_of_part(shard, &kept(&parts)).unwrap(), [2, 2]);
+        }
+        for unit in (0..4).rev() {
+            units.1.run_unit(unit, &kept(&units), &Unobserved).unwrap();
+            assert_eq!(units.1.missing(&[0, 1, 2, 3], &kept(&units)), (0..unit).collect::<Vec<_>>());
+        }
+        assert_eq!(files(&parts.0).len(), 4);
+        assert!(files(&parts.0) == files(&units.0));
+        let found =
+            [&parts, &units, &whole].map(|one| one.1.finish(Some(&kept(one)), &Unobserved).unwrap().numbers);
+        assert!(found[0] == found[1] && found[1] == found[2]);
+        assert_eq!(files(&whole.0).len(), 2);
+        assert!(files(&parts.0) == files(&whole.0) && files(&units.0) == files(&whole.0));
+        assert!(units.1.run_unit(4, &kept(&units), &Unobserved).unwrap_err().is_input());
+    }
+
+    /// What other instructions computed is another unit, a rounding away.
+    #[test]
+    fn instructions_are_part_of_a_unit() {
+        let folder = tempfile::tempdir().unwrap();
+        let units = Units::new(folder.path());
+        let [best, scalar] = [Width::best(), Width::scalar()].map(|width| small(1, width));
+        best.run_unit(0, &units, &Unobserved).unwrap();
+        assert!(best.missing(&[0], &units).is_empty());
+        if best.width.name() == scalar.width.name() {
+            return;
+        }
+        assert_eq!(scalar.missing(&[0], &units), [0]);
+        scalar.run_unit(0, &units, &Unobserved).unwrap();
+        let light = best.light(600.0, best.directions[0], 0);
+        let [a, b] = [&best, &scalar].map(|plan| plan.kept(&units, &light, 0).unwrap().intensity);
+        let most = a.iter().fold(0.0_f64, |most, value| most.max(*value));
+        let apart = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0_f64, f64::max);
+        assert!(apart > 0.0 && apart < 1e-4 * most, "{apart} of {most}");
     }
 }

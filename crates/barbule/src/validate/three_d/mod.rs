@@ -7,19 +7,20 @@ mod figures;
 mod halo;
 mod kept;
 mod numbers;
+mod options;
 
 pub use halo::WithHalo;
 pub use numbers::{Found, Moments, Sigma};
+pub use options::SegmentOptions;
 
 use rayon::prelude::*;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, Values, values};
-use crate::clock;
 use crate::io::Units;
-use crate::progress::{OnlyStops, Progress};
+use crate::math::simd::Width;
+use crate::progress::{Clock, OnlyStops, Progress};
 use crate::scattering::directions::omega;
 use crate::scattering::far_field::{FarField, Illumination, Polarization, Window};
-use crate::solve::cost::Cost;
 use crate::solve::segment::{self, Hemisphere, SegmentAccuracy, SegmentLight};
 use crate::solve::surface;
 use crate::spectrum::{Wavelengths, wave_number_per_um};
@@ -55,6 +56,10 @@ pub struct Plan {
     pub tilt: f64,
     /// The material of the structure, where it has one.
     pub material: Option<Box<FeatherMaterial>>,
+    /// SIMD instructions that both are computed with, which decide roundings.
+    pub width: Width,
+    /// Times both.
+    pub clock: Clock,
 }
 
 /// Both simulations of one structure.
@@ -97,29 +102,24 @@ impl Plan {
         (2.0 * instance as f64 / (self.instances - 1) as f64 - 1.0) * self.tilt
     }
 
-    /// The largest far field: its segment and its light.
-    fn largest(&self) -> Result<(Segment, SegmentLight)> {
-        let segment = self.structure.segment(self.seed, 0, self.length_um, self.roughness)?;
-        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
-        Ok((segment, self.light(shortest, self.directions[0], 0)))
+    /// How segments are computed.
+    fn accuracy(&self) -> SegmentAccuracy {
+        SegmentAccuracy { width: self.width, ..SegmentAccuracy::default() }
     }
 
-    /// What the largest far field takes on so many threads.
-    ///
-    /// # Errors
-    /// A segment cannot be made, or cells do not suit the light.
-    pub fn cost(&self, threads: usize) -> Result<Cost> {
-        let (segment, light) = self.largest()?;
-        segment::cost(&segment, &light, &SegmentAccuracy::default(), threads)
+    /// An instance.
+    fn segment(&self, index: usize) -> Result<Segment> {
+        self.structure.segment(self.seed, index, self.length_um, self.roughness)
     }
 
     /// The cells of the largest far field, along x and y.
     ///
     /// # Errors
-    /// As [`Self::cost`].
+    /// A segment cannot be made, or cells do not suit the light.
     pub fn cells(&self) -> Result<[usize; 2]> {
-        let (segment, light) = self.largest()?;
-        Ok(segment::grid(&segment, &light, &SegmentAccuracy::default())?.cells)
+        let shortest = self.wavelengths.nm().iter().copied().fold(f64::INFINITY, f64::min);
+        let (segment, light) = (self.segment(0)?, self.light(shortest, self.directions[0], 0));
+        Ok(segment::grid(&segment, &light, &self.accuracy())?.cells)
     }
 
     /// θ_i and φ_i of a direction, degrees, as they were meant.
@@ -141,9 +141,7 @@ impl Plan {
     pub fn run(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Comparison> {
         let brdf = self.material.as_deref().map(|m| FeatherBrdf::new(m, Options::default())).transpose()?;
         let sigma = self.sigma();
-        let instances = (0..self.instances)
-            .map(|index| self.structure.segment(self.seed, index, self.length_um, self.roughness))
-            .collect::<Result<Vec<_>>>()?;
+        let instances = (0..self.instances).map(|index| self.segment(index)).collect::<Result<Vec<_>>>()?;
         progress.begin("segments", self.count() as u64);
         let wo = pixels();
         let (mut all_found, mut all_pictures, mut seconds) = (Vec::new(), Vec::new(), [0.0; 2]);
@@ -190,7 +188,7 @@ impl Plan {
         progress: &dyn Progress,
     ) -> Result<Cell> {
         let k = wave_number_per_um(wavelength_nm);
-        let begun = clock::system();
+        let begun = (self.clock)();
         let flats: Vec<FarField> = (0..instances.len())
             .into_par_iter()
             .map(|index| {
@@ -200,7 +198,7 @@ impl Plan {
                     phi_i: direction[1] + self.turn(index),
                     window: Window::Gaussian,
                 };
-                let accuracy = surface::Accuracy::default();
+                let accuracy = surface::Accuracy { width: self.width, ..surface::Accuracy::default() };
                 surface::far_field_observed(
                     &instances[index].section,
                     &illumination,
@@ -211,7 +209,7 @@ impl Plan {
             })
             .collect::<Result<_>>()?;
         let mut cell = Cell::default();
-        cell.seconds[0] = (clock::system() - begun).as_secs_f64();
+        cell.seconds[0] = ((self.clock)() - begun).as_secs_f64();
         let flats: Vec<Vec<f64>> = flats.iter().map(per_radian).collect();
         let mut tally = None;
         let mut correlations = Correlations::new(direction[0]);
