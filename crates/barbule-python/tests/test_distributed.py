@@ -63,11 +63,11 @@ def kill(client, which=slice(None)):
 class Killer:
     """Progress that kills all workers when a task has ended, once."""
 
-    def __init__(self, client, label="simulating", also_last=False):
-        self.client, self.label, self.also_last, self.has_killed = client, label, also_last, False
+    def __init__(self, client, label="simulating"):
+        self.client, self.label, self.has_killed = client, label, False
 
     def __call__(self, label, done, total):
-        if label == self.label and not self.has_killed and (done < total or self.also_last):
+        if label == self.label and not self.has_killed and done < total:
             self.has_killed = True
             kill(self.client)
 
@@ -380,7 +380,7 @@ def test_a_picture_in_parts_is_that_of_one_process(client, tmp_path):
     how = {"size": (90, 60), "samples": 8, "spectral_nm": [500, 600], "compositing": True}
     arguments = {"client": client, "memory_bytes": 1 << 29, **how}
     scene.render(**how, progress=False).save(tmp_path / "one.exr")
-    killer = Killer(client, "tiles", also_last=True)
+    killer = Killer(client, "tiles")
     made = barbule.distributed.render(scene, tmp_path / "F.exr", tiles=1, unit_seconds=0.01, progress=killer, **arguments)
     assert killer.has_killed and made == tmp_path / "F.exr"
     assert made.read_bytes() == (tmp_path / "one.exr").read_bytes()
