@@ -344,9 +344,9 @@ fn parts_that_were_killed_damaged_or_of_another_picture_are_rendered_anew() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     std::fs::write(at.join("s.toml"), CLOSE_UP).unwrap();
-    let long = ["--samples", "24"];
+    let long = ["--samples", "8"];
     let mut child =
-        barbule(at, &drawing("f.png", &["--shard", "1/2", "--quiet", "--samples", "24"])).spawn().unwrap();
+        barbule(at, &drawing("f.png", &["--shard", "1/2", "--quiet", "--samples", "8"])).spawn().unwrap();
     std::thread::sleep(std::time::Duration::from_millis(250));
     child.kill().unwrap();
     child.wait().unwrap();
