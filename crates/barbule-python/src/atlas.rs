@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use barbule::atlas::{Atlas, Plan, foretell, run};
+use barbule::atlas::{Atlas, Plan, foretell, memory_bytes, run};
 use barbule::campaign::Allowance;
 use barbule::figures::{AtlasColours, atlas_map, atlas_page, claim_atlas_page, write_atlas_page};
 use barbule::io::sweep::SweepStore;
@@ -48,7 +48,8 @@ impl Drawn {
             Format::of(picture)?;
             check_writable(picture)?;
         }
-        self.page.as_ref().map_or(Ok(()), |page| claim_atlas_page(page, atlas))
+        let claimed = |page: &PathBuf| claim_atlas_page(page, atlas).map_err(|error| error.at("'page'"));
+        self.page.as_ref().map_or(Ok(()), claimed)
     }
 
     fn draw(&self, atlas: &Atlas, store: &SweepStore) -> Result<()> {
@@ -62,7 +63,7 @@ impl Drawn {
 
 /// Fills the store of a plan, or goes on with it.
 #[pyfunction]
-#[pyo3(signature = (plan, store, shard, seed, media, simd, cache, memory_bytes, page, picture, threads, progress))]
+#[pyo3(signature = (plan, store, shard, seed, media, simd, cache, allowed_bytes, page, picture, threads, progress))]
 #[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn atlas(
     py: Python<'_>,
@@ -73,7 +74,7 @@ pub(crate) fn atlas(
     media: Vec<(String, String)>,
     simd: Option<String>,
     cache: Option<PathBuf>,
-    memory_bytes: Option<u64>,
+    allowed_bytes: Option<u64>,
     page: Option<PathBuf>,
     picture: Option<PathBuf>,
     threads: Option<usize>,
@@ -89,13 +90,13 @@ pub(crate) fn atlas(
         let store = atlas.create(&store)?;
         let units = atlas.units(shard);
         if !(0..atlas.layout().units()).any(|unit| store.is_done(unit)) {
-            let allowed = match memory_bytes {
+            let allowed = match allowed_bytes {
                 Some(bytes) => Allowance { bytes, asked: true },
                 None => {
                     available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false })
                 }
             };
-            let needed = foretell(&atlas, progress)?.memory_bytes;
+            let needed = memory_bytes(&atlas, progress)?;
             allowed.check("the atlas", needed, "fewer angles, wavelengths or individuals")?;
         }
         let _announced = store.announce(shard);

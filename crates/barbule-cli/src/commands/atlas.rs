@@ -74,7 +74,7 @@ impl Args {
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         if let Some(folder) = &self.page {
-            claim_atlas_page(folder, &atlas)?;
+            claim_atlas_page(folder, &atlas).map_err(|error| error.at("--page"))?;
         }
         if self.picture.is_some() {
             AtlasColours::check(&atlas)?;

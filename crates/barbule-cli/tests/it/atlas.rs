@@ -199,7 +199,7 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         (&["uv.toml", "-o", "t.zarr", "--page", "uv"][..], "the atlas has no colours"),
         (&["uv.toml", "-o", "t.zarr", "--picture", "uv.png"], "the atlas has no colours"),
         (&["plan.toml", "-o", "s.zarr/inner.zarr"], "inside a campaign store"),
-        (&["plan.toml", "-o", "s.zarr", "--page", "s.zarr"], "--page s.zarr: lies inside a campaign store"),
+        (&["plan.toml", "-o", "s.zarr", "--page", "s.zarr"], "--page: s.zarr: lies inside a campaign store"),
         (&["plan.toml", "-o", "s.zarr", "--page", "plan.toml"], "is a file; give a folder"),
         (
             &["plan.toml", "-o", "s.zarr", "--page", "taken"],

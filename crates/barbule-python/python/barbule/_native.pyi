@@ -206,7 +206,7 @@ def atlas(
     media: _Media,
     simd: str | None,
     cache: Path | None,
-    memory_bytes: int | None,
+    allowed_bytes: int | None,
     page: Path | None,
     picture: Path | None,
     threads: int | None,

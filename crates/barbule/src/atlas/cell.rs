@@ -37,17 +37,24 @@ impl Atlas {
         }
     }
 
+    /// The structure of a cell; none where its sizes make none and the plan leaves such cells empty.
+    ///
+    /// # Errors
+    /// Its sizes make no structure and the plan has no empty cells.
+    pub(super) fn possible(&self, cell: usize) -> Result<Option<Structure>> {
+        match self.structure(cell).and_then(|one| one.instance(self.seed, 0).map(|_| one)) {
+            Ok(structure) => Ok(Some(structure)),
+            Err(error) if self.may_be_empty && error.is_input() => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Simulates a cell.
     ///
     /// # Errors
     /// Its sizes make no structure and the plan has no empty cells, a medium's table does not reach a wavelength, or a stop.
     pub(super) fn cell(&self, cell: usize, catalog: &Catalog, progress: &dyn Progress) -> Result<Cell> {
-        let made = self.structure(cell).and_then(|one| one.instance(self.seed, 0).map(|_| one));
-        let structure = match made {
-            Ok(structure) => structure,
-            Err(error) if self.may_be_empty && error.is_input() => return Ok(self.empty()),
-            Err(error) => return Err(error),
-        };
+        let Some(structure) = self.possible(cell)? else { return Ok(self.empty()) };
         let at =
             |error: crate::Error| if error.is_interrupted() { error } else { error.at(self.words(cell)) };
         let found = spectra_by(self.width, &structure, &self.request(&structure), progress).map_err(at)?;

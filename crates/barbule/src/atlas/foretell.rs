@@ -21,6 +21,9 @@ use crate::{Error, Result};
 /// Cells that are tried, spread over all, where nobody asks for more.
 const TRIED: usize = 9;
 
+/// Of so many cells one is tried at most, so that a forecast is a small part of the work.
+const WORTH: usize = 4;
+
 /// Wavelengths at which they are, at least, and seconds that a trial takes before it is believed.
 const FEW_WAVELENGTHS: usize = 2;
 const ENOUGH_S: f64 = 0.04;
@@ -61,12 +64,12 @@ impl Forecast {
     }
 }
 
-/// Tries a few cells at a few wavelengths with a few individuals, on all threads of this pool.
+/// Tries a few cells at a few wavelengths with a few individuals, on all threads of this pool; of small atlases fewer.
 ///
 /// # Errors
-/// None of the cells that are tried is a structure, one cannot be simulated, or a stop.
+/// A cell cannot be simulated, or a stop.
 pub fn foretell(atlas: &Atlas, progress: &dyn Progress) -> Result<Forecast> {
-    foretell_by(atlas, TRIED, progress)
+    foretell_by(atlas, TRIED.min(atlas.cells().div_ceil(WORTH)), progress)
 }
 
 /// As [`foretell`], by so many cells.
@@ -75,7 +78,6 @@ pub fn foretell(atlas: &Atlas, progress: &dyn Progress) -> Result<Forecast> {
 /// As [`foretell`].
 pub fn foretell_by(atlas: &Atlas, tried: usize, progress: &dyn Progress) -> Result<Forecast> {
     let (cells, cores) = (atlas.cells(), rayon::current_num_threads());
-    // The middles of equal parts: a grid's corners are unlike all else.
     let tried = middles(cells, tried.max(1));
     progress.begin("trying a few structures", tried.len() as u64);
     let quiet = OnlyStops(progress);
@@ -85,27 +87,18 @@ pub fn foretell_by(atlas: &Atlas, tried: usize, progress: &dyn Progress) -> Resu
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
-        let made = atlas.structure(cell).and_then(|one| one.instance(atlas.seed, 0).map(|_| one));
-        let structure = match made {
-            Ok(structure) => structure,
-            Err(error) if atlas.may_be_empty && error.is_input() => {
-                // It takes no time, and there are others like it.
-                cell_seconds.push(0.0);
-                continue;
+        // A cell that is no structure takes no time, and there are others like it.
+        let mut seconds = 0.0;
+        if let Some(structure) = atlas.possible(cell)? {
+            let request = atlas.request(&structure);
+            seconds = spectra_seconds(atlas, &structure, &request, cores, &quiet)?;
+            if let Some(options) = &atlas.material {
+                seconds += material_seconds(atlas, options, &structure, cores, &quiet)?;
             }
-            Err(error) => return Err(error),
-        };
-        let request = atlas.request(&structure);
-        let mut seconds = spectra_seconds(atlas, &structure, &request, cores, &quiet)?;
-        if let Some(options) = &atlas.material {
-            seconds += material_seconds(atlas, options, &structure, cores, &quiet)?;
+            largest.look(atlas, structure)?;
         }
-        largest.look(atlas, structure, &request)?;
         cell_seconds.push(seconds);
         progress.advance(1);
-    }
-    if cell_seconds.iter().all(|seconds| *seconds == 0.0) {
-        return Err(Error::input("none of the cells that were tried is a structure; give other values"));
     }
     let mean = cell_seconds.iter().sum::<f64>() / cell_seconds.len() as f64;
     let layout = atlas.layout();
@@ -119,6 +112,20 @@ pub fn foretell_by(atlas: &Atlas, tried: usize, progress: &dyn Progress) -> Resu
         seconds: mean * cells as f64,
         cell_seconds,
     })
+}
+
+/// What a process takes in memory that computes an atlas on all threads of this pool, bytes, from a few cells. Hardly anything is simulated.
+///
+/// # Errors
+/// A cell cannot be made, or a stop.
+pub fn memory_bytes(atlas: &Atlas, progress: &dyn Progress) -> Result<u64> {
+    let mut largest = Largest::default();
+    for cell in middles(atlas.cells(), TRIED) {
+        if let Some(structure) = atlas.possible(cell)? {
+            largest.look(atlas, structure)?;
+        }
+    }
+    largest.bytes(atlas, &OnlyStops(progress))
 }
 
 /// So many numbers below `count`, in the middles of as many equal parts; all of them where there are no more.
@@ -138,8 +145,8 @@ struct Largest {
 }
 
 impl Largest {
-    fn look(&mut self, atlas: &Atlas, structure: Structure, request: &SpectrumRequest) -> Result<()> {
-        self.spectra = self.spectra.max(spectrum_bytes(&structure, request)?);
+    fn look(&mut self, atlas: &Atlas, structure: Structure) -> Result<()> {
+        self.spectra = self.spectra.max(spectrum_bytes(&structure, &atlas.request(&structure))?);
         let Some(options) = &atlas.material else { return Ok(()) };
         let plan = options.plan(structure)?;
         let bound = Demand::bound(&plan.structure, &plan.parameters, Keep::Statistics, Results::Gathered)?;

@@ -46,7 +46,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::Value;
 
-pub use foretell::{Forecast, foretell, foretell_by};
+pub use foretell::{Forecast, foretell, foretell_by, memory_bytes};
 pub use plan::{Impossible, Materials, Patch, Plan, Plane, Vary};
 pub use run::{Outcome, run};
 pub use schedule::{Faults, Schedule};

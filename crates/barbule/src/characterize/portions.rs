@@ -382,6 +382,8 @@ mod tests {
             assert_eq!((again.computed, again.found), (0, workers[0].units(portion).unwrap().len()));
             written.extend(workers[0].files(portion).unwrap().concat());
         }
+        whole.leave();
+        workers.iter().for_each(Portions::leave);
         let there = files(&several);
         assert_eq!(files(&one), there);
         written.extend(workers[0].store().own_files());

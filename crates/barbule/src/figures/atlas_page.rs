@@ -98,7 +98,7 @@ fn check_size(atlas: &Atlas) -> Result<()> {
 /// A file is there in the folder's place, the folder is a store or inside one or has another page, or an input lies where the page would be written; an atlas that no page holds.
 pub fn claim_atlas_page(folder: &Path, atlas: &Atlas) -> Result<()> {
     check_size(atlas)?;
-    let refuse = |what: &str| Err(Error::input(format!("--page {}: {what}", folder.display())));
+    let refuse = |what: &str| Err(Error::input(what).in_file(folder));
     if folder.is_file() {
         return refuse("is a file; give a folder");
     }

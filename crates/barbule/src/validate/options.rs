@@ -213,7 +213,7 @@ fn with_layers(model: &SpeciesModel, count: u32) -> Result<SpeciesModel> {
     }
     let title = model.title();
     let what = if parameters["layers"].is_array() {
-        "lists its layers one by one, so no number changes them; take some out of `layers` in its file"
+        "lists its layers one by one, so no number changes them; take some out of that list in its file"
     } else {
         "has neither layers nor rows that are counted; leave it out"
     };

@@ -157,7 +157,7 @@ pub fn units_in(folder: &Path) -> Result<Units> {
         return Err(Error::input(format!("{}: is no folder; give another name", folder.display())));
     }
     for path in files_in(folder, "svg").into_iter().chain(TABLES.map(|name| folder.join(name))) {
-        claim_output(&path, &format!("-o {}", path.display()))?;
+        claim_output(&path, &path.display().to_string())?;
     }
     Ok(Units::new(&folder.join(UNITS)))
 }

@@ -26,7 +26,10 @@ use crate::structure::{Line, Sampled, Segment, SegmentGrid};
 use crate::{Error, Result};
 
 /// CPU seconds that a roughened boundary takes at each cell, with the layer above it.
-const PLACE_S: f64 = 1.2e-7;
+const PLACE_S: f64 = 2e-7;
+
+/// CPU seconds of solving a crystal's orders.
+const CRYSTAL_S: f64 = 0.4;
 
 /// Components of a current: J_x, J_y, J_z, M_x, M_y, M_z.
 const COMPONENTS: usize = 6;
@@ -230,9 +233,10 @@ pub fn cost(
     let grid = grid(segment, light, accuracy)?;
     let (bytes, radiating) = radiate::cost(&grid, segment.roughness, light, accuracy, threads)?;
     let places = (grid.cells[0] * grid.cells[1] * segment.roughened()) as f64;
+    let orders = if segment.section.crystal.is_some() { CRYSTAL_S } else { 0.0 };
     Ok(Cost {
         bytes: bytes + segment.sampled_bytes(&grid, accuracy.parts),
-        seconds: Some((radiating + PLACE_S * places) / threads.max(1) as f64),
+        seconds: Some((radiating + PLACE_S * places + orders) / threads.max(1) as f64),
         ..Cost::default()
     })
 }

@@ -23,9 +23,10 @@ const CHUNK: usize = 512;
 /// Real numbers of both polarizations' currents at a point.
 const VALUES: usize = 2 * 2 * COMPONENTS;
 
-/// CPU seconds of a multiplication in matrix products, and of a value of their kernels.
+/// CPU seconds of a multiplication in matrix products, and of a value of their kernels with what is made of it. These and those of places and
+/// crystals fit starlings of 8 and 25 µm, films, doves, hummingbirds and mallards from 400 to 600 nm.
 const PRODUCT_S: f64 = 2.5e-11;
-const KERNEL_S: f64 = 1e-8;
+const KERNEL_S: f64 = 3e-8;
 
 /// Standard deviations of the roughness that the interpolation over ω_z holds.
 const HIGHEST: f64 = 5.0;

@@ -15,7 +15,7 @@ from ._dask import checked_client, dask_distributed
 from ._work import Work
 
 #: What a task takes at least, s, on one thread: so that Dask's own 3 to 10 ms are less than a percent.
-UNIT_SECONDS = 4.0
+UNIT_SECONDS = 2.0
 
 #: How often workers may die while they are told of the work, before the call gives up.
 MOST_REGISTRATIONS = 10
