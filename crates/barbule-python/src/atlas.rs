@@ -1,6 +1,7 @@
 //! Atlases: sweeps over sizes into one store.
 
 use std::path::{Path, PathBuf};
+use std::sync::Once;
 
 use barbule::atlas::{Atlas, Plan, foretell, memory_bytes, run};
 use barbule::campaign::Allowance;
@@ -139,6 +140,8 @@ pub(crate) fn foretell_atlas(
 pub(crate) struct AtlasUnits {
     atlas: Atlas,
     store: SweepStore,
+    /// Done by the first unit: from then on others see that this process computes.
+    announced: Once,
 }
 
 #[pymethods]
@@ -159,7 +162,7 @@ impl AtlasUnits {
         How::default().run(py, |progress| {
             let atlas = opened(&plan, &given, width, progress)?;
             let store = atlas.create(&store)?;
-            Ok(Self { atlas, store })
+            Ok(Self { atlas, store, announced: Once::new() })
         })
     }
 
@@ -195,13 +198,17 @@ impl AtlasUnits {
             if unit >= units {
                 return Err(Error::input(format!("there is no unit {unit} of {units} (they count from 0)")));
             }
+            self.announced.call_once(|| self.store.enter(Shard::WHOLE));
             run(&self.atlas, &self.store, &[unit], progress).map(drop)
         })
     }
 
-    /// Removes what writing needed, unless other processes still write.
+    /// Ends the announcement that this process computes, and removes what writing needed, unless other processes still write.
     fn end(&self, py: Python<'_>) {
-        py.detach(|| self.store.end_writing());
+        py.detach(|| {
+            self.store.leave();
+            self.store.end_writing();
+        });
     }
 
     fn __len__(&self) -> usize {

@@ -60,7 +60,8 @@ class PreparedAtlas:
         self._units.run(item, threads, watch)
 
     def close(self) -> None:
-        """Nothing stays open."""
+        """Ends the announcement that this worker computes."""
+        self._units.end()
 
 
 def atlas(

@@ -17,6 +17,9 @@ from ._work import Work
 #: What a task takes at least, s, on one thread: so that Dask's own 3 to 10 ms are less than a percent.
 UNIT_SECONDS = 2.0
 
+#: How often workers may end, in good order, that have the same task.
+MOST_ENDS = 20
+
 #: How often workers may die while they are told of the work, before the call gives up.
 MOST_REGISTRATIONS = 10
 
@@ -168,6 +171,7 @@ class _Sent:
         self._retries = retries
         self._sendings = [0] * len(tasks)
         self._failures = [0] * len(tasks)
+        self._ends = [0] * len(tasks)
         self._pending: dict[Any, int] = {}
 
     def finished(self) -> Iterator[int]:
@@ -231,6 +235,12 @@ class _Sent:
         error = future.exception()
         if isinstance(error, Stopped):
             # Nobody stopped it here: its worker has ended in good order, as with its job's time.
+            self._ends[number] += 1
+            if self._ends[number] > MOST_ENDS:
+                raise MachineError(
+                    f"the workers of a task ended {self._ends[number]} times while they had it; give them more time than 'unit_seconds', "
+                    "and call the same function again to go on"
+                )
             return
         if isinstance(error, (InputError, NotSettledError)):
             raise error

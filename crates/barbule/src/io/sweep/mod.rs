@@ -182,6 +182,16 @@ impl SweepStore {
         self.files.announce(shard)
     }
 
+    /// As [`Self::announce`], until [`Self::leave`] or the end of this value.
+    pub fn enter(&self, shard: Shard) {
+        self.files.enter(shard);
+    }
+
+    /// Ends what [`Self::enter`] began.
+    pub fn leave(&self) {
+        self.files.leave();
+    }
+
     /// How far every unit is, and which processes compute; reads all units.
     #[must_use]
     pub fn survey(&self) -> Survey {
