@@ -283,10 +283,15 @@ def test_an_atlas_is_that_of_one_process(client, tmp_path):
     plan, store = tmp_path / "plan.toml", tmp_path / "s.zarr"
     plan.write_text(PLAN)
     barbule.atlas(plan, tmp_path / "one.zarr", progress=False)
-    killer = Killer(client)
+    killer, seen = Killer(client), []
+
+    def progress(*step):
+        seen.append(any((store / ".aside").glob("run-0-1-*")))
+        killer(*step)
+
     arguments = {"client": client, "unit_seconds": 0.01}
-    barbule.distributed.atlas(plan, store, progress=killer, **arguments)
-    assert killer.has_killed
+    barbule.distributed.atlas(plan, store, progress=progress, **arguments)
+    assert killer.has_killed and any(seen)
     assert files(store) == files(tmp_path / "one.zarr")
     sorted(store.glob("mean/c.*"))[0].write_bytes(b"half")
     barbule.distributed.atlas(plan, store, progress=False, **arguments)
