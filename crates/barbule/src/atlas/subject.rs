@@ -258,12 +258,15 @@ mod tests {
             std::fs::write(&path, changed.toml().unwrap()).unwrap();
             let again = open(&path.to_string_lossy()).unwrap();
             // A file has a name of its own, and the same individuals.
-            let third = |subject: &Subject| {
-                let section = subject.structure().unwrap().instance(7, 3).unwrap();
+            let one = |subject: &Subject| {
+                let structure = subject.structure().unwrap();
+                // A film whose layers do not vary is one individual.
+                let index = structure.count().map_or(3, |count| 3.min(count - 1));
+                let section = structure.instance(7, index).unwrap();
                 (section.boundaries, section.inclusions, section.media, section.smooth_um)
             };
-            assert_eq!(third(&again), third(&changed), "{text}");
-            assert_ne!(third(&open(text).unwrap()), third(&changed), "{text}");
+            assert_eq!(one(&again), one(&changed), "{text}");
+            assert_ne!(one(&open(text).unwrap()), one(&changed), "{text}");
         }
         let beyond = open("starling").unwrap().with(&sizes("cortex_um", 99.0)).unwrap_err().to_string();
         assert!(beyond.contains("cortex_um is 99, outside 0.001 to 10"), "{beyond}");
