@@ -25,7 +25,6 @@ mod instruments;
 mod interruptions;
 mod limits;
 mod lobes;
-mod man;
 mod memory;
 mod multilayer;
 mod outputs;
