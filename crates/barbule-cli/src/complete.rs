@@ -74,6 +74,8 @@ enum Names {
     Heights,
     /// Kinds of files that have keys.
     Keys,
+    /// The program's commands.
+    Commands,
     /// Birds that see.
     Eyes,
     /// Lights.
@@ -103,6 +105,7 @@ fn kind(command: &str, argument: &str) -> Option<Kind> {
         (_, "illuminant") => files(Names::Lights, TABLES),
         ("species", "name") => files(Names::Species, &["toml", "json"]),
         ("keys", "kind") => files(Names::Keys, &[]),
+        ("man", "commands") => files(Names::Commands, &[]),
         ("render", "model") => files(Names::Models, &[]),
         ("render", "scene") => files(Names::Presets, &["toml"]),
         ("render" | "lobes" | "brdf", "material") | ("render", "under") => {
@@ -168,6 +171,10 @@ impl Names {
         }
         if self == Self::Keys {
             return starting(barbule::keys::kinds().into_iter(), text, None);
+        }
+        if self == Self::Commands {
+            let command = crate::command();
+            return starting(command.get_subcommands().map(|c| c.get_name().to_owned()), text, None);
         }
         if self == Self::Eyes {
             return starting(eye_names().map(str::to_owned), text, Some("eye"));

@@ -64,11 +64,62 @@ pub mod traced;
 pub mod validate;
 
 pub use barbule_appearance::{brdf, bsdf, render, scene};
-pub use barbule_base::{Complex64, Error, Result, error, fields, identity, math, progress};
+pub use barbule_base::{error, fields, identity, math, progress};
 pub use barbule_light::{film, fresnel, instrument, material, scattering, spectrum, stack, vision};
 pub use barbule_optics::{solve, structure};
 pub use barbule_trace::trace;
+
+/// Re-exported, so that callers have the version that this crate takes:
+///
+/// ```
+/// use barbule::Complex64;
+///
+/// // Absorbing media have Im n > 0. What melanin in air reflects along the normal:
+/// let melanin = Complex64::new(1.7, 0.1);
+/// let reflected = ((melanin - 1.0) / (melanin + 1.0)).norm_sqr();
+/// assert!((reflected - 0.0685).abs() < 1e-4);
+/// ```
+pub use barbule_base::Complex64;
+
+/// ```
+/// use barbule::{Error, Structure};
+///
+/// // One sentence for people: where, what was found, what to do. Its kind says who can mend it.
+/// let error: Error = Structure::builtin("sparrow").unwrap_err();
+/// assert!(error.is_input() && error.to_string().contains("sparrow"));
+/// ```
+pub use barbule_base::Error;
+
+/// ```
+/// use barbule::{Structure, Wavelengths};
+///
+/// fn widths(names: &[&str]) -> barbule::Result<Vec<f64>> {
+///     names.iter().map(|name| Ok(Structure::builtin(name)?.instance(1, 0)?.width_um)).collect()
+/// }
+/// assert_eq!(widths(&["starling", "mallard"])?.len(), 2);
+/// # Ok::<(), barbule::Error>(())
+/// ```
+pub use barbule_base::Result;
+
+/// Directions and points in space, re-exported from `glam`:
+///
+/// ```
+/// use barbule::DVec3;
+///
+/// // The direction that a mirror in the plane of the barbule sends light to.
+/// let light = DVec3::new(0.3, 0.2, 1.0).normalize();
+/// let mirrored = DVec3::new(-light.x, -light.y, light.z);
+/// assert!((light + mirrored).normalize().abs_diff_eq(DVec3::Z, 1e-12));
+/// ```
 pub use glam::DVec3;
+
+/// ```
+/// use barbule::{Progress, Unobserved};
+///
+/// // For work that nobody watches or stops.
+/// let nobody: &dyn Progress = &Unobserved;
+/// assert!(!nobody.is_cancelled());
+/// ```
 pub use progress::Unobserved;
 
 /// ```
@@ -216,11 +267,51 @@ pub use brdf::FeatherBrdf;
 /// ```
 pub use scene::description::SceneDescription;
 
-/// See the crate's first page for an example.
+/// ```
+/// use barbule::brdf::fit::FitOptions;
+/// use barbule::characterize::{CampaignOptions, Catalog, Execution};
+/// use barbule::{Structure, Unobserved, characterize};
+///
+/// // A material of a tenth of the wavelengths and directions; `Catalog` may remember it in a folder.
+/// let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
+/// let plan = options.plan(Structure::flat("air/keratin:320/melanin")?)?;
+/// let made = characterize(&plan, &FitOptions::default(), &Catalog::default(), &Execution::default(), &Unobserved)?;
+/// assert_eq!(made.material.axes.wavelengths_nm().len(), 6);
+/// # Ok::<(), barbule::Error>(())
+/// ```
 pub use characterize::characterize;
-/// See the crate's first page for an example.
+
+/// ```
+/// use barbule::characterize::Catalog;
+/// use barbule::io::Folder;
+/// use barbule::{Picture, PictureOptions, SceneDescription, Structure, Unobserved, Worn, resolve};
+///
+/// let shipped = Catalog::default().shipped(&Structure::builtin("starling")?)?.unwrap();
+/// let mut wears = |_: &str| Worn::new(&shipped.material, "starling:green".into());
+/// let scene = resolve(SceneDescription::named("starling")?, &Folder::default(), &mut wears, 1, &Unobserved)?;
+/// let options = PictureOptions { size: [16, 10], samples: 1, ..PictureOptions::default() };
+/// let picture = Picture::of(&scene, &options, &Unobserved)?;
+/// assert_eq!(picture.rgb().len(), 16 * 10 * 3);
+/// # Ok::<(), barbule::Error>(())
+/// ```
 pub use picture::{Picture, PictureOptions};
-/// See the crate's first page for an example.
+
+/// ```
+/// use barbule::characterize::Catalog;
+/// use barbule::io::Folder;
+/// use barbule::{SceneDescription, Structure, Unobserved, Worn, resolve};
+///
+/// // A scene names its materials and files; `resolve` reads the files, and asks for each material by its name.
+/// let mut asked = Vec::new();
+/// let mut wears = |name: &str| {
+///     asked.push(name.to_owned());
+///     let shipped = Catalog::default().shipped(&Structure::builtin(name)?)?.unwrap();
+///     Worn::new(&shipped.material, name.to_owned())
+/// };
+/// resolve(SceneDescription::named("starling")?, &Folder::default(), &mut wears, 1, &Unobserved)?;
+/// assert_eq!(asked, ["starling"]);
+/// # Ok::<(), barbule::Error>(())
+/// ```
 pub use resolve::{Worn, resolve};
 
 #[cfg(doctest)]

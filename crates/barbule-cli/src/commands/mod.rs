@@ -23,6 +23,7 @@ mod fit_structure;
 mod geometry;
 mod keys;
 mod lobes;
+mod man;
 mod render;
 mod see;
 mod simulate;
@@ -77,6 +78,8 @@ pub(crate) enum Command {
     Feather(feather::Args),
     /// Print completions for a shell
     Completions(completions::Args),
+    /// Print pages of the manual, or write them into a folder
+    Man(man::Args),
     /// The keys of scenes, species and plans of atlases: listings, schemas for editors
     Keys(keys::Args),
     /// Render a picture of a feather
@@ -113,6 +116,7 @@ impl Command {
             Self::Species(args) => args.run(out),
             Self::Feather(args) => args.run(out),
             Self::Completions(args) => args.run(out),
+            Self::Man(args) => args.run(out),
             Self::Keys(args) => args.run(out),
             Self::Render(args) => args.run(out),
             Self::View(args) => args.run(),

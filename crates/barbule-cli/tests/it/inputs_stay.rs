@@ -95,6 +95,7 @@ const LINES: &[(&str, &[&str], &[&str])] = &[
     ("export @s.toml --to mitsuba", &["-o"], &["s.toml", "made.barbule", "c.txt", "m.ply", "p.bsdf"]),
     ("validate @in.json --full-wave", &[], &[]),
     ("bench render", &[], &[]),
+    ("man", &[], &[]),
 ];
 
 fn inputs(folder: &Path) {

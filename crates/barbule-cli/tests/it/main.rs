@@ -25,6 +25,7 @@ mod instruments;
 mod interruptions;
 mod limits;
 mod lobes;
+mod man;
 mod memory;
 mod multilayer;
 mod outputs;

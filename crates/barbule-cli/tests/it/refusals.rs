@@ -335,6 +335,8 @@ const LINES: &[(&str, &str)] = &[
     ("render starling -o @f.png --material sparrow", "sparrow"),
     ("render @none.toml -o @f.png", "no such file"),
     ("completions fishbowl", "fishbowl"),
+    ("man rendre", "did you mean 'render'?; barbule man --list names all pages"),
+    ("man bench sing", "'bench sing': no such command"),
 ];
 
 /// A file of a kind with one change, and a part of what must be said of it.
@@ -756,6 +758,7 @@ const READERS: &[&str] = &[
     "render starling -o @f.png --view X",
     "render starling -o @f.png --time X",
     "completions X",
+    "man X",
 ];
 
 #[test]
