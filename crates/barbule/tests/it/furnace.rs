@@ -19,7 +19,7 @@ use barbule::spectrum::dense::{Lambdas, WAVES};
 use barbule::stack::Stack;
 use glam::DVec3;
 
-use crate::render::{
+use crate::small_scenes::{
     Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, lamp, scene, sky,
     square, under_sky,
 };
