@@ -207,7 +207,14 @@ class Interval:
 
 @dataclass(frozen=True)
 class AngleLaw:
-    """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer."""
+    """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer.
+
+    Example:
+        >>> import barbule
+        >>> law = barbule.angle_law([0, 20, 40, 60], [640.0, 624.3, 580.2, 525.0])
+        >>> isinstance(law, barbule.AngleLaw), round(law.normal_nm.value)
+        (True, 640)
+    """
 
     normal_nm: Interval
     index: Interval | None

@@ -23,7 +23,16 @@ Against = Literal["full-wave", "three-d"]
 
 
 class ValidateOptions(TypedDict, total=False):
-    """What is compared; what is left out is usual."""
+    """What is compared; what is left out is usual.
+
+    Example:
+        >>> import barbule, tempfile
+        >>> options: barbule.ValidateOptions = {"wavelengths_nm": [600], "phi_deg": [0], "elements_per_wavelength": 5}
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     found = barbule.validate("air/keratin:300/air", folder, **options)
+        >>> len(found["incidences"])
+        1
+    """
 
     #: Vacuum wavelengths, rising; 400 to 694 nm in steps of 12 (of segments 42, with `quick` fewer) without.
     wavelengths_nm: Sequence[float]
