@@ -3,10 +3,10 @@
 use serde_json::{Map, Value};
 
 use super::key::Kind;
-use super::record::Record;
+use super::record::{Fed, Record};
 use super::{list, number_in, refused, shown, wrong_kind};
 use crate::error::counted;
-use crate::identity::{Hasher, Identify};
+use crate::identity::Hasher;
 use crate::{Error, Result};
 
 /// A value that a key may have.
