@@ -6,8 +6,8 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Clad, Conductor, FacetRoughness, FibreIndex, Frame, Hair,
-    HairParameters, Hit, Keratin, Lambertian, Layout, Reflectance, RoughDielectric, Surface, ThinFilm,
+    Absorption, BarbuleSurface, Cells, Clad, Conductor, FacetRoughness, Frame, Hit, Keratin, Lambertian,
+    Layout, Reflectance, RoughDielectric, Surface, ThinFilm,
 };
 use barbule::material::Library;
 use barbule::math::rng::Stream;
@@ -20,24 +20,12 @@ use barbule::stack::Stack;
 use glam::DVec3;
 
 use crate::small_scenes::{
-    Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, lamp, scene, sky,
+    Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, hair, lamp, scene, sky,
     square, under_sky,
 };
 
 fn grey(value: f64) -> Reflectance {
     Reflectance::new(|_| value).unwrap()
-}
-
-fn fibre(absorption: Absorption) -> Surface {
-    let parameters = HairParameters {
-        longitudinal_roughness: 0.4,
-        azimuthal_roughness: 0.4,
-        scale_tilt: 0.035,
-        index: FibreIndex::Constant(1.55),
-        absorption,
-        height_over_width: 1.0,
-    };
-    Surface::Hair(Hair::new(parameters).unwrap())
 }
 
 fn film(stack: &str, body: f64) -> Surface {
@@ -60,7 +48,7 @@ fn white() -> Vec<(&'static str, Surface, Geometry)> {
             Surface::Conductor(Conductor::new(FacetRoughness::even(0.05), |_| [1e-3, 40.0]).unwrap()),
             square(2.0),
         ),
-        ("hair", fibre(Absorption::new(|_| 0.0).unwrap()), fibres()),
+        ("hair", hair(0.4, Absorption::new(|_| 0.0).unwrap()), fibres()),
     ]
 }
 
@@ -135,7 +123,7 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
             ),
             square(2.0),
         ),
-        ("hair", fibre(Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
+        ("hair", hair(0.4, Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
     ]
 }
 

@@ -4,10 +4,7 @@ use std::sync::Arc;
 
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Reflectance,
-    Surface,
-};
+use barbule::bsdf::{Absorption, BarbuleSurface, Cells, Keratin, Lambertian, Reflectance, Surface};
 use barbule::math::rng::Stream;
 use barbule::progress::Unobserved;
 use barbule::render::faults::Faults;
@@ -27,28 +24,15 @@ use barbule::spectrum::sensor::Band;
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::small_scenes::{
-    agreeing, assert_luminance, bright_pixel, camera, fibres, film, film_of, goal, lamp, luminance, scene,
-    sky, square, under_sky, white,
+    Ready, agreeing, assert_luminance, bright_pixel, camera, fibres, film, film_of, goal, hair, lamp,
+    luminance, scene, sky, square, under_sky, white,
 };
-
-/// Hair of middle roughness with tilted scales.
-fn hair(absorption: Absorption) -> Surface {
-    let parameters = HairParameters {
-        longitudinal_roughness: 0.3,
-        azimuthal_roughness: 0.3,
-        scale_tilt: 0.035,
-        index: FibreIndex::Constant(1.55),
-        absorption,
-        height_over_width: 1.0,
-    };
-    Surface::Hair(Hair::new(parameters).unwrap())
-}
 
 /// What a film tells of its noise is how far pictures of other samples scatter about their mean, with some to spare; independent samples would scatter
 /// farther by half.
 #[test]
 fn noise_is_how_far_pictures_of_other_samples_scatter() {
-    let brown = hair(Absorption::pigments(0.3, 0.1).unwrap());
+    let brown = hair(0.3, Absorption::pigments(0.3, 0.1).unwrap());
     let ready = Ready::new(scene(fibres(), brown, under_sky(sky(1.0)), camera(1.0, 3.0)));
     let integrator = ready.integrator(4, Technique::Both);
     let films: Vec<Film> = (1..=8)

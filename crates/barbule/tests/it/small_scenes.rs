@@ -1,6 +1,6 @@
 //! Small scenes of one surface, what they are lit by, and their films: shared by the tests of the renderer.
 
-use barbule::bsdf::{Lambertian, Reflectance, Surface};
+use barbule::bsdf::{Absorption, FibreIndex, Hair, HairParameters, Lambertian, Reflectance, Surface};
 use barbule::progress::Unobserved;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
@@ -161,4 +161,17 @@ pub(crate) fn bright_pixel(width: usize, height: usize) -> Sky {
         (0..width * height).map(|i| [0.5 + 0.3 * (i % 3) as f32, 0.5, 0.2 + 0.1 * (i % 5) as f32]).collect();
     rgb[width * height / 4 + width / 3] = [0.3 * (width * height) as f32; 3];
     Sky::image(width, height, rgb, 0.8, 25.0).unwrap()
+}
+
+/// Hair with tilted scales.
+pub(crate) fn hair(roughness: f64, absorption: Absorption) -> Surface {
+    let parameters = HairParameters {
+        longitudinal_roughness: roughness,
+        azimuthal_roughness: roughness,
+        scale_tilt: 0.035,
+        index: FibreIndex::Constant(1.55),
+        absorption,
+        height_over_width: 1.0,
+    };
+    Surface::Hair(Hair::new(parameters).unwrap())
 }
