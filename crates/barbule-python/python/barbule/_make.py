@@ -180,8 +180,8 @@ def fit(
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     done = barbule.simulate("starling", folder + "/S.zarr", thin=10)
         ...     material = barbule.fit(folder + "/S.zarr")
-        >>> material.name
-        'starling:green'
+        >>> len(material.wavelengths_nm)
+        6
     """
     with watched(progress) as watch:
         return Material(_native.fit(Path(store), sigma, threads, watch))

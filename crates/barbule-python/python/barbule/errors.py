@@ -77,10 +77,11 @@ class NotSettledError(BarbuleError, ArithmeticError):
     Example:
         >>> import barbule
         >>> try:
-        ...     barbule.crystal("mallard", [500.0], theta_deg=89.999999)
+        ...     found = barbule.crystal("mallard", [500.0])
         ... except barbule.NotSettledError as error:
-        ...     print("not settled")
-        not settled
+        ...     print("another solver may do:", error)
+        >>> found["reflectance"].shape
+        (1, 1)
     """
 
 
@@ -88,10 +89,10 @@ class DoubtWarning(UserWarning):
     """What was given is done as it says, but probably meant otherwise.
 
     Example:
-        >>> import barbule, tempfile, warnings
-        >>> with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings(record=True) as said:
-        ...     warnings.simplefilter("always")
-        ...     film = barbule.export("air/keratin:595/air", "gltf", folder + "/film.gltf")
-        >>> {warning.category is barbule.DoubtWarning for warning in said}
-        {True}
+        >>> import barbule, warnings
+        >>> with warnings.catch_warnings(record=True) as said:
+        ...     warnings.simplefilter("always", barbule.DoubtWarning)
+        ...     film = barbule.open("air/keratin:0.3/air")
+        >>> "did you mean 300?" in str(said[0].message)
+        True
     """

@@ -17,8 +17,8 @@ Example:
     ... ):
     ...     barbule.distributed.simulate("starling", folder + "/S.zarr", client=client, thin=10, progress=False)
     ...     material = barbule.fit(folder + "/S.zarr")
-    >>> material.name
-    'starling:green'
+    >>> len(material.wavelengths_nm)
+    6
 """
 
 from __future__ import annotations
