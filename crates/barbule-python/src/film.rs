@@ -1,7 +1,7 @@
 //! Planar multilayers.
 
 use barbule::film::gradient::{Gradient, gradients};
-use barbule::film::{FilmTables, Polarization, sweep};
+use barbule::film::{FilmTables, sweep};
 use barbule::{Complex64, Error, Result, Stack, Wavelengths};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;

@@ -224,7 +224,7 @@ fn energy_over_both_sides_is_that_of_samples_and_never_more_than_all() {
                 evaluation.f[0] * evaluation.cosine
             });
             let mut stream = Stream::new(21, &[]);
-            let count = 200_000;
+            let count = 50_000;
             let (mut drawn, mut squares) = (0.0, 0.0);
             for _ in 0..count {
                 let Some(sample) = bsdf.sample([stream.unit(), stream.unit(), stream.unit()]) else {
@@ -258,8 +258,8 @@ fn offset(wo: DVec3) -> f64 {
 
 /// Over all directions, in y and the azimuth about it: a barbule's lobe is narrow in y alone.
 fn summed(frame: &Frame, value: impl Fn(DVec3) -> f64) -> f64 {
-    const ROWS: usize = 500;
-    const COLUMNS: usize = 1000;
+    const ROWS: usize = 250;
+    const COLUMNS: usize = 500;
     let mut sum = 0.0;
     for row in 0..ROWS {
         let y = 2.0 * (row as f64 + 0.5) / ROWS as f64 - 1.0;
