@@ -2,7 +2,7 @@
 
 use barbule::math::rng::Stream;
 
-/// The longest input that is made.
+/// The longest input that is made, where no seed is longer.
 const MOST_BYTES: usize = 64 << 10;
 
 /// Inputs that were accepted and are mutated further, at most.
@@ -113,13 +113,15 @@ pub struct Mutator<'a> {
     seeds: &'a [Vec<u8>],
     tokens: &'a [&'a str],
     kept: Vec<Vec<u8>>,
+    most_bytes: usize,
 }
 
 impl<'a> Mutator<'a> {
     /// From at least one seed; `tokens` are words of the format.
     #[must_use]
     pub fn new(seed: u64, seeds: &'a [Vec<u8>], tokens: &'a [&'a str]) -> Self {
-        Self { stream: Stream::new(seed, &[0xf022]), seeds, tokens, kept: Vec::new() }
+        let most_bytes = seeds.iter().map(Vec::len).fold(MOST_BYTES, usize::max);
+        Self { stream: Stream::new(seed, &[0xf022]), seeds, tokens, kept: Vec::new(), most_bytes }
     }
 
     /// Remembers an input that was accepted: later ones are made of it too.
@@ -144,7 +146,7 @@ impl<'a> Mutator<'a> {
         for _ in 0..damages {
             self.damage(&mut bytes);
         }
-        bytes.truncate(MOST_BYTES);
+        bytes.truncate(self.most_bytes);
         bytes
     }
 

@@ -38,6 +38,10 @@ enum Weight {
     Text,
     /// Numbers that are kept about as the file has them.
     Numbers,
+    /// The same, of a megabyte.
+    Large,
+    /// A file of a store that is opened anew for each.
+    Store,
     /// Pictures, which packed files hold many of in few bytes.
     Picture,
 }
@@ -57,8 +61,8 @@ impl Target {
     #[must_use]
     pub fn most_bytes(&self, length: usize) -> usize {
         match self.weight {
-            Weight::Text => ANYWAY + 2_000 * length,
-            Weight::Numbers => ANYWAY + 64 * length,
+            Weight::Text | Weight::Store => ANYWAY + 2_000 * length,
+            Weight::Numbers | Weight::Large => ANYWAY + 64 * length,
             // What `docs/formats/files.md` promises of all files.
             Weight::Picture => 1_500_000_000,
         }
@@ -68,8 +72,10 @@ impl Target {
     #[must_use]
     pub fn smoke(&self) -> u64 {
         match self.weight {
-            Weight::Text | Weight::Numbers => 3_000,
-            Weight::Picture => 1_000,
+            Weight::Text | Weight::Numbers => 2_000,
+            Weight::Picture => 700,
+            Weight::Store => 200,
+            Weight::Large => 60,
         }
     }
 }

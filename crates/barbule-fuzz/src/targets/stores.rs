@@ -52,7 +52,7 @@ pub(super) const TARGETS: &[Target] = &[
         tokens: ZARR_WORDS,
         seeds: || vec![read(&campaign().join(GROUP))],
         check: |bytes| group(&resealed(bytes, "campaign_hash").unwrap_or_else(|| bytes.to_vec())),
-        weight: Weight::Text,
+        weight: Weight::Store,
     },
     Target {
         name: "store-array",
@@ -65,7 +65,7 @@ pub(super) const TARGETS: &[Target] = &[
                 judged(Store::open(&folder), |store| survey(&store))
             })
         },
-        weight: Weight::Text,
+        weight: Weight::Store,
     },
     Target {
         name: "store-chunk",
@@ -78,7 +78,7 @@ pub(super) const TARGETS: &[Target] = &[
                 .collect()
         },
         check: chunk,
-        weight: Weight::Numbers,
+        weight: Weight::Store,
     },
     Target {
         name: "atlas-group",
@@ -97,7 +97,7 @@ pub(super) const TARGETS: &[Target] = &[
             check(bytes)?;
             check(&resealed(bytes, "sweep_hash").unwrap_or_default())
         },
-        weight: Weight::Text,
+        weight: Weight::Store,
     },
     Target {
         name: "atlas-chunk",
@@ -109,7 +109,7 @@ pub(super) const TARGETS: &[Target] = &[
                 .collect()
         },
         check: shard,
-        weight: Weight::Numbers,
+        weight: Weight::Store,
     },
 ];
 
@@ -316,6 +316,23 @@ fn cells(store: &SweepStore) -> Held {
     Ok(())
 }
 
+/// Cells of a file of the atlas, and bytes of the values of each.
+const CELLS: [(usize, usize); SHARDS.len()] = [(4, 2 * 8), (4, 2), (1, SHARDS.len() * 8)];
+
+/// A file with the checksums of its cells, and of where they lie, made right.
+fn resealed_shard(body: &[u8], (count, length): (usize, usize)) -> Vec<u8> {
+    let mut body = body.to_vec();
+    let mut seal = |from: usize, length: usize| {
+        if let Some(part) = body.get_mut(from..from + length + 4) {
+            let (values, sum) = part.split_at_mut(length);
+            sum.copy_from_slice(&crc32c::crc32c(values).to_le_bytes());
+        }
+    };
+    (0..count).for_each(|cell| seal(cell * (length + 4), length));
+    seal(count * (length + 4), count * 16);
+    body
+}
+
 fn shard(bytes: &[u8]) -> Verdict {
     let Some((which, body)) = bytes.split_first() else { return Ok(Seen::Refused) };
     let which = usize::from(*which) % SHARDS.len();
@@ -327,18 +344,15 @@ fn shard(bytes: &[u8]) -> Verdict {
         Ok(if store.read(0).is_some() { Seen::Accepted } else { Seen::Refused })
     };
     let first = swapped(&path, body, check)?;
-    let Some(sealed) = seal::trailing_crc32c(body) else { return Ok(first) };
+    let sealed = resealed_shard(body, CELLS[which]);
     let second = swapped(&path, &sealed, check)?;
     if which + 1 == SHARDS.len() {
-        return Ok(second);
+        return Ok(if first == Seen::Accepted { first } else { second });
     }
-    // The digests of the first unit are the first and only chunk of their file: its values lie at its beginning, its checksum behind them.
-    let digest = folder.join(SHARDS[SHARDS.len() - 1]);
+    let last = SHARDS.len() - 1;
+    let digest = folder.join(SHARDS[last]);
     let mut digests = read(&digest);
     let tied = tie([hash_of(&folder, "sweep_hash").as_bytes(), SHARDS[which].as_bytes(), &sealed]);
     digests[which * 8..which * 8 + 8].copy_from_slice(&tied.to_le_bytes());
-    let values = SHARDS.len() * 8;
-    let sum = crc32c::crc32c(&digests[..values]);
-    digests[values..values + 4].copy_from_slice(&sum.to_le_bytes());
-    swapped(&digest, &digests, || swapped(&path, &sealed, check))
+    swapped(&digest, &resealed_shard(&digests, CELLS[last]), || swapped(&path, &sealed, check))
 }
