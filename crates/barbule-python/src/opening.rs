@@ -74,6 +74,12 @@ pub(crate) fn open<'py>(
 }
 
 /// All species with their variants: `{name: [variant, …]}`.
+///
+/// Example:
+///
+///     >>> import barbule
+///     >>> "pink" in barbule.species()["starling"]
+///     True
 #[pyfunction]
 pub(crate) fn species(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);

@@ -234,6 +234,13 @@ impl Scene {
 }
 
 /// A rendered picture: what a sensor saw, and what a screen shows of it.
+///
+/// Example:
+///
+///     >>> import barbule
+///     >>> picture: barbule.Picture = barbule.render("starling", size=(16, 12), samples=1)
+///     >>> picture.planes()["normal"].shape
+///     (12, 16, 3)
 #[pyclass(frozen, module = "barbule._native")]
 pub(crate) struct Picture {
     inner: barbule::Picture,

@@ -13,6 +13,13 @@ use crate::arrays::{Floats, flat};
 use crate::error::OrRaise as _;
 
 /// What a barbule is made of: a species, a stack, given sections or a lattice.
+///
+/// Example:
+///
+///     >>> import barbule
+///     >>> mallard: barbule.Structure = barbule.open("mallard")
+///     >>> mallard.instance(0).width_um
+///     40.0
 #[pyclass(frozen, module = "barbule")]
 pub(crate) struct Structure {
     pub(crate) inner: Opened,
@@ -78,6 +85,13 @@ impl Structure {
 }
 
 /// A barbule's cross section.
+///
+/// Example:
+///
+///     >>> import barbule
+///     >>> section: barbule.Section = barbule.open("starling").instance(0)
+///     >>> section.media_at([0.0, 0.0], [5.0, -0.3])[0]
+///     'air'
 #[pyclass(frozen, module = "barbule")]
 pub(crate) struct Section {
     pub(crate) inner: barbule::Section,

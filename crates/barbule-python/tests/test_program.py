@@ -1,5 +1,6 @@
 """The command line in the wheel, docstrings, and the package's own types."""
 
+import ast
 import doctest
 import importlib
 import pkgutil
@@ -48,19 +49,39 @@ def modules():
             yield importlib.import_module(f"barbule.{found.name}")
 
 
-def test_examples_of_docstrings_run():
-    tried = 0
+def examples():
+    """All examples of docstrings, each once: those of public names, of the modules' other names, and of methods."""
+    found = {}
     for module in modules():
-        found = doctest.testmod(module)
-        assert found.failed == 0
-        tried += found.attempted
-    assert tried > 20
-
-
-def test_all_that_is_public_is_documented():
+        for test in doctest.DocTestFinder().find(module):
+            if test.examples:
+                found[test.docstring] = test
     for name in barbule.__all__:
-        documented = getattr(barbule, name).__doc__
-        assert documented or name in ("species",), name
+        test = doctest.DocTestParser().get_doctest(getattr(barbule, name).__doc__, {}, name, None, None)
+        found.setdefault(test.docstring, test)
+    return list(found.values())
+
+
+@pytest.mark.parametrize("test", examples(), ids=lambda test: test.name)
+def test_examples_of_docstrings_run(test):
+    if "from distributed import" in test.docstring:
+        pytest.importorskip("distributed")
+    assert doctest.DocTestRunner().run(test).failed == 0
+
+
+@pytest.mark.parametrize("name", barbule.__all__)
+def test_each_public_name_has_an_example(name):
+    found = doctest.DocTestParser().get_examples(getattr(barbule, name).__doc__)
+    assert any(name in example.source for example in found)
+    assert not any(example.options.get(doctest.SKIP) for example in found)
+
+
+def test_types_of_the_native_module_show_the_same_examples():
+    written = ast.parse((Path(barbule.__file__).parent / "_native.pyi").read_text(encoding="utf-8"))
+    shown = {node.name: ast.get_docstring(node) for node in written.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+    sources = lambda text: [(example.source, example.want) for example in doctest.DocTestParser().get_examples(text)]
+    for name in ("Picture", "Section", "Structure", "species"):
+        assert sources(shown[name]) == sources(getattr(barbule, name).__doc__), name
 
 
 def test_the_package_is_typed():

@@ -1,4 +1,4 @@
-"""The Python of the pages of questions runs as it is written."""
+"""The Python of the pages of questions, and of the page that shows all interfaces, runs as it is written."""
 
 import os
 import re
@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
-PAGES = sorted((ROOT / "docs/guide/questions").glob("*.md"))
+PAGES = [ROOT / "docs/api.md", *sorted((ROOT / "docs/guide/questions").glob("*.md"))]
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
-def test_python_of_a_question_runs(page, tmp_path):
+def test_python_of_a_page_runs(page, tmp_path):
     os.symlink(ROOT / "examples", tmp_path / "examples")
     blocks = re.findall(rf"```python {page.stem}\.py\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
     assert len(blocks) == 1, "a page has one program, called as the page is"

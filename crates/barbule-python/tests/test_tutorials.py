@@ -1,5 +1,6 @@
-"""The tutorials run, and a strict type checker accepts them."""
+"""The tutorials run, a strict type checker accepts them, and the book shows them as they are."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +18,21 @@ def test_tutorials_run(path, tmp_path):
     nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": tmp_path}}).execute()
     pictures = [output for cell in notebook.cells for output in cell.get("outputs", []) if "image/png" in output.get("data", {})]
     assert len(pictures) >= 3
+
+
+@pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.stem)
+def test_pages_of_tutorials_have_their_text_and_code(path):
+    """`scripts/tutorials` has written them since the notebooks were edited."""
+    nbformat = pytest.importorskip("nbformat")
+    page = path.with_suffix(".md").read_text(encoding="utf-8")
+    cells = nbformat.read(path, as_version=4).cells
+    assert re.findall(r"```python\n(.*?)\n```", page, re.S) == [cell.source for cell in cells if cell.cell_type == "code"]
+    for cell in cells:
+        if cell.cell_type == "markdown":
+            assert all(part in page for part in cell.source.split("\n\n")), cell.source
+    pictures = re.findall(r"\]\(\.\./figures/tutorials/(.*?)\)", page)
+    kept = (path.parents[1] / "figures/tutorials").glob(f"{path.stem}-*")
+    assert sorted(pictures) == sorted(file.name for file in kept)
 
 
 def test_tutorials_have_types(tmp_path):

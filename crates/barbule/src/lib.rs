@@ -226,3 +226,7 @@ pub use resolve::{Worn, resolve};
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide/rust.md")]
 struct GuideForRust;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/api.md")]
+struct ThreeInterfaces;

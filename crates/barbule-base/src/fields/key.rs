@@ -232,10 +232,10 @@ impl Kind {
     }
 }
 
-/// An explanation without the unit that it has in memory where files have degrees.
+/// An explanation without the unit at its end: a file's is in the key's name, and may be degrees where memory has radians.
 fn plain(about: &'static str) -> &'static str {
     let about = about.trim();
-    about.strip_suffix(", rad.").unwrap_or(about)
+    [", rad.", ", mm.", ", µm."].iter().find_map(|unit| about.strip_suffix(unit)).unwrap_or(about)
 }
 
 /// A table of these keys as a JSON schema; with a key that chooses, one schema for each choice.

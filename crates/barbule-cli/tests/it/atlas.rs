@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-use crate::common::bytes_of;
+use crate::common::{bytes_of, program};
 use serde_json::Value;
 
 /// Two layers over each other, 12 structures in 8 units.
@@ -25,7 +25,7 @@ values = { low = 0.2, high = 0.3, count = 3 }
 ";
 
 fn command(folder: &Path, words: &[&str]) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.current_dir(folder).arg("atlas").args(words).stdout(Stdio::piped()).stderr(Stdio::piped());
     command
 }
@@ -152,7 +152,7 @@ fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     assert!(text.contains("12 of 12 structures") && text.contains("cortex (µm)"), "{text}");
     assert!(at.join("map.png").is_file());
     // What a page links to simulates.
-    let output = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
+    let output = program()
         .args(["spectrum", "page/structures/000011.toml", "--instances", "1", "--json"])
         .current_dir(at)
         .output()

@@ -2,14 +2,16 @@
 
 use serde_json::Value;
 
+use crate::common::program;
+
 fn run(arguments: &[&str]) -> String {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(arguments).output().unwrap();
+    let output = program().args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
 fn refused(arguments: &[&str]) -> String {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(arguments).output().unwrap();
+    let output = program().args(arguments).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert_eq!(message.trim().lines().count(), 1, "{message}");

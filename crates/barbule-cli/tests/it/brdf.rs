@@ -8,10 +8,10 @@ use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fixtures::halo;
 use serde_json::Value;
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{MADE_UP, program, write_made_up};
 
 fn run(words: &[&str]) -> Output {
-    assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap()
+    program().args(words).output().unwrap()
 }
 
 fn text(words: &[&str]) -> String {

@@ -14,6 +14,8 @@ use barbule::material::Library;
 use barbule::structure::{Section, Structure, species_toml};
 use serde_json::Value;
 
+use crate::common::program;
+
 /// A folder to work in, with a cache.
 struct Place(tempfile::TempDir);
 
@@ -34,7 +36,7 @@ impl Place {
     }
 
     fn command(&self, words: &[&str]) -> std::process::Command {
-        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         command.args(words).args(["--cache", "cache"]).current_dir(self.0.path());
         command
     }
@@ -221,7 +223,7 @@ fn a_cache_must_be_a_place_of_its_own() {
     let place = Place::new();
     place.write("file", "");
     let run = |name: &str, value: &str| {
-        let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         for variable in ["XDG_CACHE_HOME", "LOCALAPPDATA", "HOME"] {
             command.env_remove(variable);
         }
@@ -250,16 +252,15 @@ fn paths_that_are_no_text_are_no_panic() {
     std::fs::create_dir(place.0.path().join(odd)).unwrap();
     write_material(&place.0.path().join(odd).join(std::ffi::OsStr::from_bytes(b"\xfe.barbule")), &example(3))
         .unwrap();
-    let program = assert_cmd::cargo::cargo_bin!("barbule");
     for words in [&["cache", "--json"][..], &["cache"]] {
-        let mut command = std::process::Command::new(program);
+        let mut command = program();
         let output =
             command.args(words).arg("--cache").arg(odd).current_dir(place.0.path()).output().unwrap();
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         assert!(String::from_utf8_lossy(&output.stdout).contains('\u{fffd}'));
     }
     let made = |words: &[&str], file: &[u8]| {
-        let mut command = std::process::Command::new(program);
+        let mut command = program();
         let command = command.args(words).arg("-o").arg(std::ffi::OsStr::from_bytes(file));
         let output =
             command.args(["--json", "--cache", "cache"]).current_dir(place.0.path()).output().unwrap();

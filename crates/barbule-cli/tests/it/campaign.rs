@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::common::{MADE_UP, bytes_of, write_made_up};
+use crate::common::{MADE_UP, bytes_of, program, write_made_up};
 use barbule::brdf::FeatherMaterial;
 use serde_json::Value;
 
 fn run(words: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }

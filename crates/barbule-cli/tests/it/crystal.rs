@@ -4,8 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::common::program;
+
 fn run(words: &[&str]) -> String {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
@@ -92,7 +94,7 @@ fn bad_crystals_are_refused_before_any_work() {
         ("cortex = 0.1", "cortex = 0.1\nincidence = 'melanin'", "does not absorb"),
     ] {
         std::fs::write(&path, good.replace(from, to)).unwrap();
-        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").arg("crystal").arg(&path).output().unwrap();
+        let output = program().arg("crystal").arg(&path).output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{to}: {message}");
         assert!(message.contains(said) && message.trim().lines().count() == 1, "{to}: {message}");

@@ -5,9 +5,10 @@ use std::path::Path;
 use barbule::io::image::{Meaning, decode_picture};
 use serde_json::Value;
 
+use crate::common::program;
+
 fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let output =
-        assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).current_dir(folder).output().unwrap();
+    let output = program().args(words).current_dir(folder).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }

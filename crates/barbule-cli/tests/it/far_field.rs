@@ -2,8 +2,10 @@
 
 use serde_json::Value;
 
+use crate::common::program;
+
 fn run(words: &[&str]) -> (String, String) {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     assert!(output.status.success(), "{words:?}: {}", text(output.stderr));
     (text(output.stdout), text(output.stderr))

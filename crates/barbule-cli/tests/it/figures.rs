@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
+use crate::common::program;
+
 struct Run {
     code: i32,
     message: String,
 }
 
 fn run(words: &[&str]) -> Run {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     let message = String::from_utf8(output.stderr).unwrap();
     Run { code: output.status.code().unwrap(), message }
 }
@@ -139,7 +141,7 @@ fn flags_that_change_nothing_are_said_in_one_line() {
 #[test]
 fn flags_of_every_command_may_stand_before_it() {
     let said = |words: &[&str]| {
-        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+        let output = program().args(words).output().unwrap();
         assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
         output.stdout
     };

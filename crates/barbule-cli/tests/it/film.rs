@@ -1,12 +1,14 @@
 //! `barbule film` as people and scripts use it.
 
 use std::path::Path;
+use std::process::Command;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::common::{Ends as _, program};
+
 fn barbule(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("barbule").unwrap();
+    let mut command = program();
     command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
     command
 }
@@ -72,7 +74,7 @@ fn figures_and_tables_are_written_with_their_provenance() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(said.lines().count(), 2);
     assert!(said.contains("wrote ") && said.contains("a.svg: R, T and A at 0° at 50 wavelengths"), "{said}");
-    barbule(&["film", "air/keratin:595/air", "--angles", "0:80:2", "-o", &png]).assert().success();
+    barbule(&["film", "air/keratin:595/air", "--angles", "0:80:2", "-o", &png]).ends(0);
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A\n0,400,"));
     assert_eq!(text.lines().count(), 51);
@@ -89,8 +91,8 @@ fn figures_and_tables_are_written_with_their_provenance() {
 
 #[test]
 fn the_examples_run() {
-    barbule(&["film", "examples/stacks/melanin-mirror.toml", "--angles", "0,30,60"]).assert().success();
-    barbule(&["film", "examples/stacks/glass-on-silver.toml", "--wavelengths", "500"]).assert().success();
+    barbule(&["film", "examples/stacks/melanin-mirror.toml", "--angles", "0,30,60"]).ends(0);
+    barbule(&["film", "examples/stacks/glass-on-silver.toml", "--wavelengths", "500"]).ends(0);
     let own = film_json(&[
         "air/glass:100/air",
         "--medium",
@@ -164,8 +166,7 @@ fn unpolarized_light_is_the_mean_of_both_polarizations() {
     barbule(&["film", "air/keratin:400/melanin:200/air", "--angle", "50", "--wavelength", "400:700:10"])
         .args(["--quiet", "--csv"])
         .arg(&path)
-        .assert()
-        .success();
+        .ends(0);
     let text = std::fs::read_to_string(&path).unwrap();
     for letter in ["R", "T", "A"] {
         let [all, s, p] = ["", "_s", "_p"].map(|end| column(&text, &format!("{letter}{end}")));
@@ -216,7 +217,7 @@ fn a_stack_that_spreads_gives_means_and_deviations() {
     let other = film_json(&[&[stack, "--seed", "2"], &set[..]].concat());
     assert_ne!(found["R"], other["R"]);
     let (svg, csv) = (path("a.svg"), path("a.csv"));
-    barbule(&["film", stack, "--instances", "5", "-o", &svg, "--csv", &csv]).assert().success();
+    barbule(&["film", stack, "--instances", "5", "-o", &svg, "--csv", &csv]).ends(0);
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A,R_s_std,R_p_std,T_s_std,T_p_std,A_s_std,A_p_std,R_std\n"));
     assert!(std::fs::read_to_string(&svg).unwrap().contains("mean ± 1 std of 5"));
@@ -274,8 +275,7 @@ fn spectra_of_a_stack_that_spreads_have_a_deviation() {
     ])
     .args(["--quiet", "--csv"])
     .arg(&csv)
-    .assert()
-    .success();
+    .ends(0);
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(column(&text, "std").iter().all(|std| *std > 1e-4), "{text}");
 }
@@ -288,13 +288,8 @@ fn a_material_of_a_stack_that_spreads_shows_its_individuals() {
     let (material, picture, cache) = (path("m.barbule"), path("i.png"), path("cache"));
     let stack = "air/keratin:300±5%/melanin:300/air";
     let few = ["--wavelengths", "450,550,650", "--directions", "2x2", "--instances", "3"];
-    barbule(&["characterize", stack, "--quiet", "--cache", &cache, "-o", &material])
-        .args(few)
-        .assert()
-        .success();
-    barbule(&["lobes", &material, "--fields", "--quiet", "--cache", &cache, "-o", &picture])
-        .assert()
-        .success();
+    barbule(&["characterize", stack, "--quiet", "--cache", &cache, "-o", &material]).args(few).ends(0);
+    barbule(&["lobes", &material, "--fields", "--quiet", "--cache", &cache, "-o", &picture]).ends(0);
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 }
 

@@ -1,12 +1,14 @@
 //! `barbule fit-structure` as people and scripts use it.
 
 use std::path::Path;
+use std::process::Command;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::common::program;
+
 fn barbule(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("barbule").unwrap();
+    let mut command = program();
     command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
     command
 }

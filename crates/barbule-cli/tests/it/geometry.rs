@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use crate::common::program;
+
 fn run(words: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{MADE_UP, program, write_made_up};
 
 fn run_in(folder: &Path, words: &str) -> (i32, String, String) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("barbule");
+    let mut command = program();
     let output =
         command.current_dir(folder).args(words.split(' ')).args(["--cache", "cache"]).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();

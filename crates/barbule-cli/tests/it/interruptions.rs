@@ -5,12 +5,12 @@ use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{MADE_UP, program, write_made_up};
 
 /// A picture of minutes.
 fn rendering(output: &str, more: &[&str]) -> Child {
     write_made_up();
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.args(["render", "starling", "--material", MADE_UP, "--size", "64x48", "--samples", "1000000"]);
     command.args(["-v", "-o", output]).args(more).stderr(Stdio::piped()).stdout(Stdio::null());
     command.spawn().unwrap()
@@ -56,7 +56,7 @@ fn two_signals_at_once_are_one_press_and_the_picture_is_written() {
 fn a_slow_solver_stops_between_two_angles() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("map.png");
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.args(["crystal", "peafowl", "--map", "--solver", "rcwa", "--wavelengths", "400,500", "-o"]);
     let mut child = command.arg(&output).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(1500));
@@ -72,7 +72,7 @@ fn a_slow_solver_stops_between_two_angles() {
 fn a_command_that_keeps_nothing_says_that_it_stops_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("map.png");
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.args(["crystal", "peafowl", "--map", "--wavelengths", "300:830:0.1", "-o"]).arg(&output);
     let mut child = command.stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(1500));
@@ -98,7 +98,7 @@ fn a_comparison_with_full_waves_goes_on_after_ctrl_c() {
     std::fs::write(&film, section.to_string()).unwrap();
     let words = ["--full-wave", "--wavelengths", "400:700:20", "--phi", "0", "-o"];
     let begin = || {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         command
             .arg("validate")
             .arg(&film)
@@ -147,7 +147,7 @@ fn scenes_that_take_long_to_build_stop_soon() {
     for (name, text) in [("feather", feather), ("coat", coat), ("balls", &balls)] {
         write_made_up();
         std::fs::write(folder.path().join("s.toml"), text).unwrap();
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         command.args([
             "render",
             "s.toml",

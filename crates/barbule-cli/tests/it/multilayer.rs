@@ -2,12 +2,14 @@
 //! mean stacks (the film's transfer matrix as the second method) and of what is published.
 
 use std::path::Path;
+use std::process::Command;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
+use crate::common::{Ends as _, program};
+
 fn barbule(arguments: &[&str]) -> Command {
-    let mut command = Command::cargo_bin("barbule").unwrap();
+    let mut command = program();
     command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
     command
 }
@@ -126,7 +128,7 @@ fn every_bird_is_drawn_and_described() {
     for (bird, curved) in [("tree-swallow", false), ("hadeda-ibis", false), ("lawes-parotia", true)] {
         let picture = folder.path().join(format!("{bird}.svg"));
         let file = format!("examples/species/{bird}.toml");
-        barbule(&["geometry", &file, "-o", picture.to_str().unwrap()]).assert().success();
+        barbule(&["geometry", &file, "-o", picture.to_str().unwrap()]).ends(0);
         assert!(std::fs::metadata(&picture).unwrap().len() < 1_500_000, "strips of one shade are one path");
         let section = document(&["geometry", &file]);
         let heights = numbers(&section["boundaries"][0]["z"]);

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::common::{MADE_UP, bytes_of, write_made_up};
+use crate::common::{MADE_UP, bytes_of, program, write_made_up};
 
 fn barbule(folder: &Path) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.current_dir(folder).stdin(Stdio::null());
     command
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{Ends as _, MADE_UP, program, write_made_up};
 
 fn render(folder: &Path, words: &[&str]) -> (String, Value) {
     write_made_up();
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+    let output = program()
         .arg("render")
         .args(words)
         .args(["--size", "48x36", "--samples", "4", "--json"])
@@ -88,12 +88,8 @@ fn skies_are_read_from_radiance_files_and_metals_have_their_colours_in_them() {
         assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 0.05), "{metal} {found:?}");
     }
     std::fs::write(folder.path().join("sky.hdr"), &sky(false)[..60]).unwrap();
-    let refused = assert_cmd::cargo::cargo_bin_cmd!("barbule")
-        .args(["render", "s.toml", "-o", "b.png"])
-        .current_dir(folder.path())
-        .assert()
-        .code(2);
-    let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    let refused = program().args(["render", "s.toml", "-o", "b.png"]).current_dir(folder.path()).ends(2);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(
         said.contains("sky.hdr: is cut off or damaged in line 1 of 4") && said.trim().lines().count() == 1,
         "{said}"
@@ -193,7 +189,7 @@ fn qualities_are_samples_and_noise_in_a_word() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("s.toml"), CARD).unwrap();
     let draw = |words: &[&str]| {
-        let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+        let output = program()
             .args(["render", "s.toml", "-o", "a.png", "--size", "16x12", "--json"])
             .args(words)
             .current_dir(folder.path())
@@ -233,7 +229,7 @@ fn noise_is_taken_away_where_the_library_is() {
     std::fs::write(folder.path().join("s.toml"), ball("type = 'diffuse'")).unwrap();
     std::fs::write(folder.path().join("sky.hdr"), sky(true)).unwrap();
     let draw = |name: &str, samples: &str, more: &[&str]| {
-        assert_cmd::cargo::cargo_bin_cmd!("barbule")
+        program()
             .args(["render", "s.toml", "--size", "160x120", "--samples", samples, "-o", name])
             .args(more)
             .current_dir(folder.path())

@@ -4,13 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::common::program;
+
 fn render(folder: &Path, words: &[&str]) -> (Option<i32>, String, String) {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
-        .arg("render")
-        .args(words)
-        .current_dir(folder)
-        .output()
-        .unwrap();
+    let output = program().arg("render").args(words).current_dir(folder).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code(), text(output.stdout), text(output.stderr))
 }
@@ -64,8 +61,7 @@ fn mistyped_names_are_offered_presets_species_and_files() {
     }
     // Structures are no presets.
     let words = ["spectrum", "grey.tml"];
-    let output =
-        assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).current_dir(folder.path()).output().unwrap();
+    let output = program().args(words).current_dir(folder.path()).output().unwrap();
     assert!(
         String::from_utf8_lossy(&output.stderr).contains("grey.tml: no such file, did you mean 'grey.toml'?")
     );

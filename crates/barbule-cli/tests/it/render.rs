@@ -1,15 +1,15 @@
 //! `barbule render` as people and scripts use it.
 
 use std::path::Path;
+use std::process::Command;
 
-use assert_cmd::Command;
 use serde_json::Value;
 
-use crate::common::{CLOSE_UP, MADE_UP, write_made_up};
+use crate::common::{CLOSE_UP, Ends as _, MADE_UP, program, write_made_up};
 
 fn barbule(folder: &Path, arguments: &[&str]) -> Command {
     write_made_up();
-    let mut command = Command::cargo_bin("barbule").unwrap();
+    let mut command = program();
     command.args(["render"]).args(arguments).current_dir(folder);
     command
 }
@@ -55,7 +55,7 @@ fn what_lower_sides_wear_is_said_by_a_flag_and_kept_in_a_file() {
     // The material is read, and named in the picture.
     let seen_from_below = ["--view=180,-60", "--under", MADE_UP, "-o", "s.png"];
     let arguments = [&["starling"], &seen_from_below[..], QUICK].concat();
-    barbule(folder.path(), &arguments).assert().success();
+    barbule(folder.path(), &arguments).ends(0);
     let refused = barbule(folder.path(), &["starling", "--under", "malard", "-o", "n.png"]).output().unwrap();
     let message = String::from_utf8_lossy(&refused.stderr);
     assert!(refused.status.code() == Some(2) && message.contains("did you mean 'mallard'"), "{message}");
@@ -70,7 +70,7 @@ fn exr_frames_and_scene_files_are_written() {
     );
     std::fs::write(folder.path().join("scene.toml"), scene).unwrap();
     let arguments = ["scene.toml", "-o", "h.exr", "--frames", "2", "--samples", "2"];
-    barbule(folder.path(), &arguments).assert().success();
+    barbule(folder.path(), &arguments).ends(0);
     for name in ["h-0000.exr", "h-0001.exr"] {
         let bytes = std::fs::read(folder.path().join(name)).unwrap();
         assert_eq!(bytes[..4], [0x76, 0x2f, 0x31, 0x01]);
@@ -83,10 +83,10 @@ fn exr_frames_and_scene_files_are_written() {
     let under =
         "preset = \"starling\"\n[sky_image]\nfile = \"h-0000.exr\"\nturn = 30.0\n[light]\nstrength = 0.0\n";
     std::fs::write(folder.path().join("under.toml"), under).unwrap();
-    barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).assert().success();
+    barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).ends(0);
     std::fs::write(folder.path().join("under.toml"), under.replace("h-0000", "none")).unwrap();
-    let refused = barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).assert().code(2);
-    assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("none.exr: no such file"));
+    let refused = barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).ends(2);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("none.exr: no such file"));
 }
 
 /// Three frames of a turning light: one feather is grown, and each frame is the picture under its light alone.
@@ -100,9 +100,7 @@ fn frames_share_one_feather_and_its_hierarchy() {
     assert!(output.status.success(), "{log}");
     assert_eq!(log.matches("primitives; ready in").count(), 1, "{log}");
     assert_eq!(log.lines().filter(|line| line.starts_with("light ")).count(), 3, "{log}");
-    barbule(folder.path(), &[&["starling", "--light=140,50", "-o", "g.png"], QUICK].concat())
-        .assert()
-        .success();
+    barbule(folder.path(), &[&["starling", "--light=140,50", "-o", "g.png"], QUICK].concat()).ends(0);
     // What is drawn is the same; the notes in the files tell of different commands.
     let drawn = |name: &str| {
         let bytes = std::fs::read(folder.path().join(name)).unwrap();
@@ -147,8 +145,8 @@ fn a_printed_scene_is_the_same_picture_to_the_bit() {
         let has_comments = String::from_utf8_lossy(&printed.stdout).contains("# from radiance to");
         assert_eq!(has_comments, arguments.len() == 1 && arguments[0] == "starling");
     }
-    let both = barbule(folder.path(), &["starling", "--toml", "-o", "x.png"]).assert().code(2);
-    assert!(String::from_utf8_lossy(&both.get_output().stderr).contains("cannot be used with"));
+    let both = barbule(folder.path(), &["starling", "--toml", "-o", "x.png"]).ends(2);
+    assert!(String::from_utf8_lossy(&both.stderr).contains("cannot be used with"));
 }
 
 #[test]
@@ -182,7 +180,7 @@ fn no_frame_of_the_usual_sequence_is_dark() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("plain.toml"), CLOSE_UP).unwrap();
     let arguments = ["plain.toml", "-o", "f.exr", "--frames", "4"];
-    barbule(folder.path(), &[&arguments[..], QUICK].concat()).assert().success();
+    barbule(folder.path(), &[&arguments[..], QUICK].concat()).ends(0);
     let means: Vec<f64> = (0..4)
         .map(|frame| {
             let image =
@@ -228,9 +226,8 @@ fn pictures_are_cut_out_or_stand_before_a_background() {
     assert_eq!(again[..3], blue[..3]);
     let sky = draw(&["-o", "sky.png", "--background", "sky"]);
     assert_eq!(sky["pixel_hash"], draw(&["-o", "plain.png"])["pixel_hash"]);
-    let refused =
-        barbule(folder.path(), &["starling", "-o", "x.png", "--background", "wall.jpg"]).assert().code(2);
-    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    let refused = barbule(folder.path(), &["starling", "-o", "x.png", "--background", "wall.jpg"]).ends(2);
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(message.contains("--background") && message.contains(".png, .exr or .hdr"), "{message}");
 }
 
@@ -332,8 +329,8 @@ fn curves_from_files_stand_in_the_picture() {
     let again = report(folder.path(), &["printed.toml", "-o", "p.exr"]);
     assert_eq!(again["pixel_hash"], spline);
     std::fs::write(at("scenes/rod.txt"), "0 0 0 1\n1 0 0 1\n").unwrap();
-    let refused = barbule(folder.path(), &["scenes/rod.toml", "-o", "x.png"]).assert().code(2);
-    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    let refused = barbule(folder.path(), &["scenes/rod.toml", "-o", "x.png"]).ends(2);
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(
         message.contains("objects[0].curves") && message.contains("has 2 points, but needs 4"),
         "{message}"
@@ -414,8 +411,8 @@ fn a_coat_is_drawn_alike_on_any_number_of_threads() {
     assert!(one["barbs"].as_u64().unwrap() >= 60 * 100, "{one}");
     let refused = |coat: &str, expected: &str| {
         scene(coat);
-        let run = barbule(folder.path(), &["coat.toml", "-o", "other.png"]).assert().code(2);
-        let message = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        let run = barbule(folder.path(), &["coat.toml", "-o", "other.png"]).ends(2);
+        let message = String::from_utf8_lossy(&run.stderr).into_owned();
         assert!(message.contains(expected) && message.trim_end().lines().count() == 1, "{message}");
         assert!(!folder.path().join("other.png").exists());
     };
@@ -447,15 +444,15 @@ fn a_sensor_of_a_file_sees_its_own_channels() {
     assert!(!String::from_utf8_lossy(&names[..4000]).contains("XYZ.Y"));
     // A picture that is not done keeps a checkpoint.
     let begun = ["starling", "-o", "k.exr", "--sensor", "cones.csv", "--resume", "--time", "0.001s"];
-    barbule(folder.path(), &[&begun, QUICK].concat()).assert().success();
+    barbule(folder.path(), &[&begun, QUICK].concat()).ends(0);
     let again = ["starling", "-o", "k.exr", "--sensor", "false.toml", "--resume"];
-    let refused = barbule(folder.path(), &[&again, QUICK].concat()).assert().code(2);
-    let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+    let refused = barbule(folder.path(), &[&again, QUICK].concat()).ends(2);
+    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(message.contains("another picture") && message.contains("sensor"), "{message}");
     // The made-up material ends where the cones see on.
     let drawn = ["starling", "-o", "f.png", "--sensor", "false.toml"];
-    let drawn = barbule(folder.path(), &[&drawn, QUICK].concat()).assert().success();
-    let said = String::from_utf8_lossy(&drawn.get_output().stderr).into_owned();
+    let drawn = barbule(folder.path(), &[&drawn, QUICK].concat()).ends(0);
+    let said = String::from_utf8_lossy(&drawn.stderr).into_owned();
     assert!(said.contains("'false colours' sees 300 to 600 nm, but the material is known"), "{said}");
     let human = report(folder.path(), &["starling", "-o", "h.png", "--sensor", "human"]);
     assert_eq!(human["pixel_hash"], report(folder.path(), &["starling", "-o", "i.png"])["pixel_hash"]);
@@ -486,8 +483,8 @@ fn a_resumed_picture_has_the_same_bits_and_leaves_no_checkpoint() {
     assert!(is_kept("a.png"));
     // Another light is another picture.
     let other = [&["starling", "--resume", "-o", "a.png", "--light=1,50"][..], QUICK].concat();
-    let refused = barbule(folder.path(), &other).assert().code(2);
-    assert!(String::from_utf8_lossy(&refused.get_output().stderr).contains("another picture"));
+    let refused = barbule(folder.path(), &other).ends(2);
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("another picture"));
     let (resumed, whole) = (render("a.png", &[]), render("b.png", &[]));
     assert_eq!((&resumed["pixel_hash"], &resumed["ended"]), (&whole["pixel_hash"], &"done".into()));
     assert!(resumed["paths"].as_u64() < whole["paths"].as_u64());
@@ -500,8 +497,8 @@ fn a_sequence_keeps_checkpoints_until_all_its_frames_are_done() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = ["starling", "--resume", "--frames", "2", "-o", "f.png", "--json"];
     let render = |more: &[&str]| {
-        let run = barbule(folder.path(), &[&arguments[..], QUICK, more].concat()).assert().success();
-        serde_json::from_slice::<Value>(&run.get_output().stdout).unwrap()
+        let run = barbule(folder.path(), &[&arguments[..], QUICK, more].concat()).ends(0);
+        serde_json::from_slice::<Value>(&run.stdout).unwrap()
     };
     let count = || std::fs::read_dir(folder.path()).unwrap().count();
     render(&["--time", "0.001s"]);
@@ -517,9 +514,9 @@ fn a_picture_says_whether_its_noise_was_reached() {
     let folder = tempfile::tempdir().unwrap();
     let render = |name: &str, more: &[&str]| {
         let arguments = ["starling", "--material", MADE_UP, "--size", "48x30", "--json", "-o", name];
-        let run = barbule(folder.path(), &[&arguments[..], more].concat()).assert().success();
-        let report: Value = serde_json::from_slice(&run.get_output().stdout).unwrap();
-        let said = String::from_utf8_lossy(&run.get_output().stderr).into_owned();
+        let run = barbule(folder.path(), &[&arguments[..], more].concat()).ends(0);
+        let report: Value = serde_json::from_slice(&run.stdout).unwrap();
+        let said = String::from_utf8_lossy(&run.stderr).into_owned();
         (report[0].clone(), said)
     };
     let (report, said) = render("a.png", &["--noise", "0.3", "--time", "0.5s"]);
@@ -597,8 +594,8 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["bad.toml", "-o", "x.png"], "did you mean 'exposure'"),
     ];
     for (arguments, fragment) in cases {
-        let refused = barbule(folder.path(), arguments).assert().code(2);
-        let message = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        let refused = barbule(folder.path(), arguments).ends(2);
+        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(message.contains(fragment) && message.len() < 600, "{arguments:?}: {message}");
         assert_eq!(message.trim_end().lines().count(), 1, "{message}");
         assert!(!["x.png", "x.exr"].iter().any(|name| folder.path().join(name).exists()));

@@ -4,14 +4,14 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::bytes_of;
+use crate::common::{bytes_of, program};
 use barbule::math::rng::Stream;
 
 /// A campaign of half a second.
 const TINY: &[&str] = &["--wavelengths", "450:650:50", "--directions", "3x2", "--instances", "3"];
 
 fn command(store: &Path, more: &[&str]) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.args(["simulate", "starling", "-o"]).arg(store).args(TINY).args(more);
     command.stdout(Stdio::null()).stderr(Stdio::piped());
     command
@@ -103,7 +103,7 @@ fn truncated_emptied_altered_and_lengthened_chunks_are_found_computed_again_and_
     std::fs::write(file, bytes).unwrap();
     let (file, bytes) = chunk("reflected/c.3.1.0.0");
     std::fs::write(file, [&bytes[..], &[0; 1 << 16]].concat()).unwrap();
-    let mut status = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut status = program();
     let status = status.args(["simulate", "--status"]).arg(&store).output().unwrap();
     let status = String::from_utf8_lossy(&status.stdout).into_owned();
     assert!(status.contains("11 of 15 units done, 0 missing, 4 damaged"), "{status}");
@@ -119,7 +119,7 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let store = folder.path().join("s.zarr");
     // Full size: minutes, were it not interrupted.
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.args(["simulate", "starling", "-o"]).arg(&store).stderr(Stdio::piped());
     let child = command.spawn().unwrap();
     let begun = Instant::now();
@@ -147,7 +147,7 @@ fn ctrl_c_ends_soon_and_leaves_what_can_be_resumed() {
 fn ctrl_c_during_preparation_leaves_nothing_but_an_empty_store() {
     let folder = tempfile::tempdir().unwrap();
     let store = folder.path().join("s.zarr");
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     let mut child =
         command.args(["simulate", "hummingbird", "-o"]).arg(&store).stderr(Stdio::piped()).spawn().unwrap();
     let begun = Instant::now();
@@ -239,7 +239,7 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
     let Some(disk) = Disk::new("200k") else { return };
     write_made_up();
     let render = |more: &[&str]| {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         command.current_dir(disk.0.path()).args([
             "render",
             "starling",
@@ -279,7 +279,7 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
 fn tables_that_do_not_fit_on_the_disk_leave_neither_themselves_nor_their_notes() {
     let Some(disk) = Disk::new("8k") else { return };
     let film = |set: &str| {
-        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+        let mut command = program();
         command.current_dir(disk.0.path()).args([
             "film",
             "air/keratin:300/air",
@@ -315,11 +315,7 @@ fn a_store_that_cannot_be_written_is_refused_before_work_unless_it_is_finished()
     std::fs::create_dir(store.join(".aside")).unwrap();
     std::fs::write(store.join(".aside/run-1-2-1700000000-77-killed"), b"").unwrap();
     disk.remount("ro");
-    let told = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
-        .args(["simulate", "--status"])
-        .arg(&store)
-        .output()
-        .unwrap();
+    let told = program().args(["simulate", "--status"]).arg(&store).output().unwrap();
     assert!(String::from_utf8_lossy(&told.stdout).contains("units, killed\n"), "{told:?}");
     let output = simulate(&store, &[]);
     assert_eq!(output.status.code(), Some(2));

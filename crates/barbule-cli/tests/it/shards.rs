@@ -5,14 +5,14 @@ use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-use crate::common::{CLOSE_UP, bytes_of};
+use crate::common::{CLOSE_UP, bytes_of, program};
 use crate::validate::timeless;
 
 /// A campaign of a second: 24 units, one of which takes some hundredths.
 const CAMPAIGN: &[&str] = &["--wavelengths", "450:650:100", "--directions", "8x4", "--instances", "50"];
 
 fn barbule(folder: &Path, words: &[&str]) -> Command {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin!("barbule"));
+    let mut command = program();
     command.current_dir(folder).args(words);
     command
 }
@@ -433,7 +433,7 @@ done
 
     /// A command of the shell, with the program and the schedulers where it looks for programs.
     fn shell(at: &Path, line: &str, script: &Path) -> Output {
-        let program = PathBuf::from(assert_cmd::cargo::cargo_bin!("barbule"));
+        let program = PathBuf::from(program().get_program());
         let own = [at.join("bin"), program.parent().unwrap().to_owned()];
         let others = std::env::var_os("PATH").unwrap();
         let path = own.into_iter().chain(std::env::split_paths(&others));

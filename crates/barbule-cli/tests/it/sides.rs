@@ -4,13 +4,13 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, write_made_up};
+use crate::common::{MADE_UP, program, write_made_up};
 
 /// What a run says, and the hash of its pixels.
 fn drawn(folder: &Path, scene: &str) -> (String, String) {
     write_made_up();
     std::fs::write(folder.join("scene.toml"), scene).unwrap();
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule")
+    let output = program()
         .args(["render", "scene.toml", "-o", "a.png", "--size", "40x30", "--samples", "4", "--json", "-v"])
         .current_dir(folder)
         .output()

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::common::program;
+
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// A simulation of a moment.
 const QUICK: &[&str] = &["--instances", "3", "--wavelengths", "400:700:10"];
 
 fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = assert_cmd::cargo::cargo_bin_cmd!("barbule");
+    let mut command = program();
     let cache = folder.join("cache");
     let output = command.current_dir(folder).args(words).arg("--cache").arg(cache).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();

@@ -4,6 +4,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use crate::common::program;
+
 /// What `examples/micrographs/rods.png` was drawn from: rods of 110 nm, air of 55 nm, 170 nm apart in rows of 147 nm; 2 nm per px.
 const RODS: &str = "[lattice]\nperiod = 0.17\nhost = 'keratin'\ncortex = 0.1298\nrows = 4\nrow_pitch = 0.147\nrow_shift = 0.5\n\
     [[lattice.rod]]\ncircles = [{ diameter = 0.11, medium = 'melanin' }, { diameter = 0.055, medium = 'air' }]\n";
@@ -14,7 +16,7 @@ const LAYERS: &str = "barbule = 1\nname = 'truth'\ngenerator = 'multilayer'\n[pa
     { medium = 'keratin', thickness_um = 0.15 }, { medium = 'melanin', thickness_um = 0.09 }]\n";
 
 fn run(words: &[&str]) -> (i32, String, String) {
-    let output = assert_cmd::cargo::cargo_bin_cmd!("barbule").args(words).output().unwrap();
+    let output = program().args(words).output().unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }

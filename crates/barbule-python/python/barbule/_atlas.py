@@ -14,7 +14,14 @@ from ._progress import ProgressLike, watched
 
 
 class Outcome(NamedTuple):
-    """What a run of an atlas did."""
+    """What a run of an atlas did.
+
+    Example:
+        >>> import barbule
+        >>> done = barbule.Outcome(computed=4, found=12, repaired=0, unit_seconds={0: 1.5, 1: 1.4, 2: 1.6, 3: 1.5})
+        >>> sum(done.unit_seconds.values()) / done.computed
+        1.5
+    """
 
     #: Units computed now.
     computed: int
@@ -27,7 +34,14 @@ class Outcome(NamedTuple):
 
 
 class Forecast(NamedTuple):
-    """What an atlas will take on this machine."""
+    """What an atlas will take on this machine, as `foretell` gives it.
+
+    Example:
+        >>> import barbule
+        >>> takes = barbule.Forecast(714, 12, 40, 2_000_000, 300_000_000, 2, (0.2, 0.3), 90.0)
+        >>> f"{takes.cells} structures, {takes.seconds:.0f} s on {takes.cores} cores"
+        '714 structures, 90 s on 2 cores'
+    """
 
     #: Structures.
     cells: int
@@ -86,6 +100,24 @@ def atlas(
     Raises:
         InputError: The plan cannot be, or the store is of another one; the message names the key.
         MachineError: The store cannot be written.
+
+    Example:
+        >>> import barbule, pathlib, tempfile
+        >>> plan = '''
+        ... barbule = 1
+        ... name = "films"
+        ... structure = "air/keratin:300/melanin"
+        ... wavelengths_nm = "400:700:20"
+        ... [[vary]]
+        ... key = "layer1"
+        ... values = "250:350:50"
+        ... '''
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder, "films.toml")
+        ...     _ = file.write_text(plan)
+        ...     done = barbule.atlas(file, pathlib.Path(folder, "films.zarr"))
+        >>> done.computed > 0 and done.found == 0
+        True
     """
     given_media = media_of(media)
     drawn = _path(page), _path(picture)
@@ -115,6 +147,23 @@ def foretell(
 
     Raises:
         InputError: The plan cannot be; the message names the key.
+
+    Example:
+        >>> import barbule, pathlib, tempfile
+        >>> plan = '''
+        ... barbule = 1
+        ... name = "films"
+        ... structure = "air/keratin:300/melanin"
+        ... wavelengths_nm = "400:700:20"
+        ... [[vary]]
+        ... key = "layer1"
+        ... values = "250:350:50"
+        ... '''
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder, "films.toml")
+        ...     _ = file.write_text(plan)
+        ...     barbule.foretell(file).cells
+        3
     """
     given_media = media_of(media)
     with watched(progress) as watch:

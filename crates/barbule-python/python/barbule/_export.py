@@ -21,7 +21,16 @@ Format = Literal["mitsuba", "bsdf", "bsdf-rgb", "pbrt", "osl", "usd", "gltf", "o
 
 
 class Written(TypedDict):
-    """What `export` wrote, and how far it is from what was exported."""
+    """What `export` wrote, and how far it is from what was exported.
+
+    Example:
+        >>> import barbule, tempfile, warnings
+        >>> warnings.simplefilter("ignore", barbule.DoubtWarning)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     film: barbule.Written = barbule.export("air/keratin:595/air", "gltf", folder + "/film.gltf")
+        >>> len(film["files"]) > 0 and film["bytes"] > 0
+        True
+    """
 
     #: The files, the one asked for first, and folders of further ones.
     files: list[str]

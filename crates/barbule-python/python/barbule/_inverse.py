@@ -22,7 +22,14 @@ _Files = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
 
 @dataclass(frozen=True)
 class Size:
-    """A size with its 95 % interval."""
+    """A size with its 95 % interval.
+
+    Example:
+        >>> import barbule
+        >>> cortex = barbule.Size(595.0, 588.0, 602.0, "nm", (False, False), None)
+        >>> f"{cortex.value:g} {cortex.unit} ({cortex.low:g} to {cortex.high:g})"
+        '595 nm (588 to 602)'
+    """
 
     #: The best value.
     value: float
@@ -39,7 +46,17 @@ class Size:
 
 @dataclass(frozen=True)
 class Solution:
-    """Sizes that fit."""
+    """Sizes that fit, as `fit_structure` gives them.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> nm = np.arange(400.0, 701.0, 5.0)
+        >>> film = barbule.film("air/keratin:595/air", nm, progress=False)
+        >>> measured = 0.5 * (film["R_s"][0] + film["R_p"][0])
+        >>> found = barbule.fit_structure((nm, measured), "film", progress=False).solutions
+        >>> all(isinstance(one, barbule.Solution) for one in found), bool(found[0].as_good)
+        (True, True)
+    """
 
     #: Each size by its name.
     parameters: dict[str, Size]
@@ -62,7 +79,17 @@ class Solution:
 
 @dataclass(frozen=True)
 class Fitted:
-    """What `fit_structure` found."""
+    """What `fit_structure` found.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> nm = np.arange(400.0, 701.0, 5.0)
+        >>> film = barbule.film("air/keratin:595/air", nm, progress=False)
+        >>> measured = 0.5 * (film["R_s"][0] + film["R_p"][0])
+        >>> found = barbule.fit_structure((nm, measured), "film", progress=False)
+        >>> isinstance(found, barbule.Fitted), "keratin:595" in found.toml
+        (True, True)
+    """
 
     #: The solutions, the best first.
     solutions: list[Solution]

@@ -15,7 +15,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Axis:
-    """A coordinate: its values along one dimension, what they are and in which unit."""
+    """A coordinate: its values along one dimension, what they are and in which unit.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> angle = barbule.Axis(np.array([0.0, 45.0]), "angle of incidence", "degree")
+        >>> angle.long_name, angle.units
+        ('angle of incidence', 'degree')
+    """
 
     values: NDArray[Any]
     long_name: str
@@ -24,7 +31,14 @@ class Axis:
 
 @dataclass(frozen=True)
 class Quantity:
-    """An array with the names of its dimensions, what it is and in which unit."""
+    """An array with the names of its dimensions, what it is and in which unit.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> one = barbule.Quantity(np.zeros((2, 3)), ("angle", "wavelength"), "reflectance")
+        >>> one.shape, np.asarray(one).mean().item()
+        ((2, 3), 0.0)
+    """
 
     values: NDArray[Any]
     dims: tuple[str, ...]
@@ -53,10 +67,11 @@ class Arrays(Mapping[str, Quantity]):
     """Named arrays with coordinates, where xarray is not installed.
 
     Example:
-        >>> import barbule
-        >>> film = barbule.film("air/keratin:595/air", [450.0, 550.0], [0.0])
-        >>> film["r_s"].shape
-        (1, 2)
+        >>> import barbule, numpy as np
+        >>> nm = barbule.Axis(np.array([450.0, 550.0]), "vacuum wavelength", "nm")
+        >>> one = barbule.Arrays({"R": barbule.Quantity(np.array([0.1, 0.2]), ("wavelength",), "reflectance")}, {"wavelength": nm})
+        >>> list(one), one["wavelength"].attrs["units"]
+        (['R'], 'nm')
     """
 
     data: dict[str, Quantity]

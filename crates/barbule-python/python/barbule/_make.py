@@ -141,6 +141,14 @@ def simulate(
 
     Returns:
         How many units were computed, and how many were there.
+
+    Example:
+        >>> import barbule, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     first = barbule.simulate("starling", folder + "/S.zarr", thin=10)
+        ...     again = barbule.simulate("starling", folder + "/S.zarr", thin=10)
+        >>> first[1] == 0, again == (0, first[0])
+        (True, True)
     """
     opened = structure_of(structure, media)
     options = _options(wavelengths_nm, directions, instances, tilt_deg, polarized, thin, seed, mirror)
@@ -166,6 +174,14 @@ def fit(
 
     Raises:
         InputError: Units are missing or damaged.
+
+    Example:
+        >>> import barbule, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     done = barbule.simulate("starling", folder + "/S.zarr", thin=10)
+        ...     material = barbule.fit(folder + "/S.zarr")
+        >>> len(material.wavelengths_nm)
+        6
     """
     with watched(progress) as watch:
         return Material(_native.fit(Path(store), sigma, threads, watch))

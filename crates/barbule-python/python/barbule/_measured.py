@@ -26,7 +26,15 @@ _Places = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured at one angle: samples at common wavelengths."""
+    """What was measured at one angle: samples at common wavelengths.
+
+    Example:
+        >>> import barbule, numpy as np
+        >>> nm, birds = np.array([400.0, 500.0]), np.array([[0.05, 0.07], [0.07, 0.09]])
+        >>> one = barbule.Measured(0.0, ["first", "second"], nm, birds, birds.mean(axis=0), "made here")
+        >>> one.mean.round(3).tolist()
+        [0.06, 0.08]
+    """
 
     #: Degrees; None where nothing says any.
     angle_deg: float | None
@@ -54,6 +62,15 @@ def measured(places: _Places, *, column: str | int | None = None, percent: bool 
 
     Raises:
         InputError: A file cannot be read, or in two ways.
+
+    Example:
+        >>> import barbule, pathlib, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder, "back.csv")
+        ...     _ = file.write_text("wl;back_1;back_2\\n400;5,1;5,3\\n450;5,6;5,8\\n500;6,4;6,6\\n550;6,8;6,9\\n600;6,1;6,3\\n700;4,6;4,8\\n")
+        ...     read = barbule.measured(file)[0]
+        >>> read.names, read.mean.round(3).tolist()[0]
+        (['back_1', 'back_2'], 0.052)
     """
     given = [places] if isinstance(places, (str, PathLike)) else list(places)
     found = _native.measured([fspath(place) for place in given], None if column is None else str(column), percent)
@@ -78,9 +95,13 @@ def compare(
         they differ between individuals, RMSE, ΔE, and what the difference looks like; None where nothing was measured at that angle.
 
     Example:
-        >>> import barbule
+        >>> import barbule, pathlib, tempfile
         >>> found = barbule.spectrum("starling", range(400, 701, 10), instances=5)
-        >>> barbule.compare(found, "examples/measured/from-r.csv")[0]["delta_e_2000"] < 10  # doctest: +SKIP
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder, "back.csv")
+        ...     _ = file.write_text("wl;back_1;back_2\\n400;5,1;5,3\\n450;5,6;5,8\\n500;6,4;6,6\\n550;6,8;6,9\\n600;6,1;6,3\\n700;4,6;4,8\\n")
+        ...     differs = barbule.compare(found, file)[0]
+        >>> differs["delta_e_2000"] < 10
         True
     """
     if isinstance(against, Measured):

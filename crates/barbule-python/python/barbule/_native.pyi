@@ -303,7 +303,8 @@ class Structure:
 
     Example:
         >>> import barbule
-        >>> barbule.open("mallard").instance(0).width_um
+        >>> mallard: barbule.Structure = barbule.open("mallard")
+        >>> mallard.instance(0).width_um
         40.0
     """
 
@@ -327,7 +328,7 @@ class Section:
 
     Example:
         >>> import barbule
-        >>> section = barbule.open("starling").instance(0)
+        >>> section: barbule.Section = barbule.open("starling").instance(0)
         >>> section.media_at([0.0, 0.0], [5.0, -0.3])[0]
         'air'
     """
@@ -515,7 +516,7 @@ class Picture:
 
     Example:
         >>> import barbule
-        >>> picture = barbule.render("starling", size=(16, 12), samples=1)
+        >>> picture: barbule.Picture = barbule.render("starling", size=(16, 12), samples=1)
         >>> picture.planes()["normal"].shape
         (12, 16, 3)
     """

@@ -198,7 +198,14 @@ def _both(tilt_deg: float | tuple[float, float]) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Interval:
-    """A value and its 95 % confidence interval; `high` is None where it has no bound."""
+    """A value and its 95 % confidence interval; `high` is None where it has no bound.
+
+    Example:
+        >>> import barbule
+        >>> index = barbule.angle_law([0, 20, 40, 60], [640.0, 624.3, 580.2, 525.0]).index
+        >>> isinstance(index, barbule.Interval), index.low < index.value < index.high
+        (True, True)
+    """
 
     value: float
     low: float
@@ -207,7 +214,14 @@ class Interval:
 
 @dataclass(frozen=True)
 class AngleLaw:
-    """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer."""
+    """How a peak moves with the angle: ``λ₀ √(1 − sin²θ/n²)``, and the line ``a − b E`` of the angle ``E = 2θ`` between light and viewer.
+
+    Example:
+        >>> import barbule
+        >>> law = barbule.angle_law([0, 20, 40, 60], [640.0, 624.3, 580.2, 525.0])
+        >>> isinstance(law, barbule.AngleLaw), round(law.normal_nm.value)
+        (True, 641)
+    """
 
     normal_nm: Interval
     index: Interval | None

@@ -23,7 +23,17 @@ Against = Literal["full-wave", "three-d"]
 
 
 class ValidateOptions(TypedDict, total=False):
-    """What is compared; what is left out is usual."""
+    """What is compared; what is left out is usual.
+
+    Example:
+        >>> import barbule
+        >>> options: barbule.ValidateOptions = {"wavelengths_nm": [600], "phi_deg": [0], "instances": 10}
+        >>> try:
+        ...     barbule.validate("starling", "folder", "full-wave", **options)
+        ... except barbule.InputError as error:
+        ...     print(error)
+        'instances' is for segments; leave it out against 'full-wave'
+    """
 
     #: Vacuum wavelengths, rising; 400 to 694 nm in steps of 12 (of segments 42, with `quick` fewer) without.
     wavelengths_nm: Sequence[float]

@@ -15,6 +15,14 @@ class BarbuleError(Exception):
         line: The line in it, from 1, or None.
         column: The column in it, from 1, or None.
         key: The key in it, as in ``lights[2].strength``, or None.
+
+    Example:
+        >>> import barbule
+        >>> try:
+        ...     barbule.Scene.parse("[camera]\\nwidth = 2\\n")
+        ... except barbule.BarbuleError as error:
+        ...     print(error.line, error.key)
+        2 camera.width
     """
 
     file: str | None
@@ -39,16 +47,52 @@ class BarbuleError(Exception):
 
 
 class InputError(BarbuleError, ValueError):
-    """Something that the caller can mend: an argument, a file's contents, a missing or unwritable file."""
+    """Something that the caller can mend: an argument, a file's contents, a missing or unwritable file.
+
+    Example:
+        >>> import barbule
+        >>> try:
+        ...     barbule.open("starlng")
+        ... except barbule.InputError as error:
+        ...     print("did you mean 'starling'?" in str(error))
+        True
+    """
 
 
 class MachineError(BarbuleError, RuntimeError):
-    """The machine's fault: a full disk, a failed read in the middle of a file, no memory."""
+    """The machine's fault: a full disk, a failed read in the middle of a file, no memory.
+
+    Example:
+        >>> import barbule
+        >>> try:
+        ...     picture = barbule.render("starling", size=(24, 16), samples=1)
+        ... except barbule.MachineError as error:
+        ...     print("try another machine:", error)
+    """
 
 
 class NotSettledError(BarbuleError, ArithmeticError):
-    """A computation that did not reach its accuracy."""
+    """A computation that did not reach its accuracy.
+
+    Example:
+        >>> import barbule
+        >>> try:
+        ...     found = barbule.crystal("mallard", [500.0])
+        ... except barbule.NotSettledError as error:
+        ...     print("another solver may do:", error)
+        >>> found["reflectance"].shape
+        (1, 1)
+    """
 
 
 class DoubtWarning(UserWarning):
-    """What was given is done as it says, but probably meant otherwise."""
+    """What was given is done as it says, but probably meant otherwise.
+
+    Example:
+        >>> import barbule, warnings
+        >>> with warnings.catch_warnings(record=True) as said:
+        ...     warnings.simplefilter("always", barbule.DoubtWarning)
+        ...     film = barbule.open("air/keratin:0.3/air")
+        >>> "did you mean 300?" in str(said[0].message)
+        True
+    """

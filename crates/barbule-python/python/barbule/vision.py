@@ -1,4 +1,11 @@
-"""What birds see: quanta that cones catch, just noticeable differences, places in the tetrahedron."""
+"""What birds see: quanta that cones catch, just noticeable differences, places in the tetrahedron.
+
+Example:
+    >>> import barbule
+    >>> single, double = barbule.vision.catches([300, 700], [0.25, 0.25], "starling")
+    >>> single.shape
+    (4,)
+"""
 
 from __future__ import annotations
 

@@ -78,7 +78,7 @@ record! {
         individuals: Option<usize> = "individuals", within(1, 10_000);
         /// Largest tilt of an individual about its axis.
         tilt_deg: f64 = "tilt_deg", within(0, 30), or 2.0;
-        /// Every so many-th wavelength and direction only: a quick look.
+        /// Takes every n-th wavelength and direction only, for a quick look.
         thin: Option<usize> = "thin", within(1, 20);
         /// Whether both incident polarizations are kept apart.
         polarized: bool = "polarized", (), or false;
@@ -99,7 +99,7 @@ record! {
         patches: Vec<Patch> = "patches", up_to(1000), or Vec::new();
         /// The keys that are swept, the slowest axis first.
         vary: Vec<Vary> = "vary", Several { least: 1, most: 8, of: () };
-        /// So many cells drawn over the ranges of all keys, by a Latin hypercube; unless given the full grid.
+        /// How many cells are drawn over the ranges of all keys, by a Latin hypercube; without it the full grid.
         samples: Option<usize> = "samples", within(2, 100_000);
         /// Vacuum wavelengths of the spectra.
         wavelengths_nm: Steps = "wavelengths_nm", (), or Steps::Stepped([400.0, 694.0, 6.0]);
@@ -111,7 +111,7 @@ record! {
         individuals: usize = "individuals", within(1, 10_000), or 50;
         /// Birds that look at each cell, by name or file.
         birds: Vec<String> = "birds", Several { least: 0, most: 16, of: Text("a bird as `barbule birds` lists it, or a file") }, or Vec::new();
-        /// The light in which they do.
+        /// The light in which birds see them.
         illuminant: String = "illuminant", Text("a light's name or file"), or "D65".to_owned();
         /// A material for each cell.
         material: Option<Materials> = "material", ();

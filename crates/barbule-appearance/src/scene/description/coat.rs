@@ -77,7 +77,7 @@ record! {
         density_per_cm2: Option<f64> = "density_per_cm2", within(1e-3, 1e5);
         /// Two corners of a box outside which none grow.
         within_mm: Option<Vec<[f64; 3]>> = "within_mm", Several { least: 0, most: 64, of: within(-1e6, 1e6) };
-        /// Places where none grow, and which those about them do not reach into.
+        /// Balls in which no feathers grow, and into which those about them do not reach.
         bare: Vec<BareDescription> = "bare", up_to(MOST_BARE), or Vec::new();
         /// Directions in which they lie; down the picture where nothing is said.
         guides: Vec<GuideDescription> = "guides", Several { least: 1, most: MOST_GUIDES, of: () }, or vec![DOWN];
@@ -93,7 +93,7 @@ record! {
         variants: usize = "variants", within(1, MOST_VARIANTS), or 16;
         /// How far over the feathers beneath they lie.
         clearance_mm: f64 = "clearance_mm", within(0, 2), or 0.1;
-        /// By how much one is lifted at most so that it does.
+        /// By how much a feather is lifted at most to lie over those beneath.
         most_lift_deg: Option<f64> = "most_lift_deg", within(0, 60);
         /// 0: bent as the feather says; 1: bent as the body is.
         hug: f64 = "hug", within(0, 1), or 1.0;
@@ -101,7 +101,7 @@ record! {
         skin_colour: Colour = "skin_colour", (), or SKIN;
         /// Further kinds of feathers, from 1; the object's own is kind 0.
         feathers: Vec<CoatFeather> = "feathers", up_to(MOST_KINDS), or Vec::new();
-        /// Width over which kinds mix where the guides' ones meet.
+        /// Width of the band over which the kinds of neighbouring guides mix.
         mix_mm: f64 = "mix_mm", within(0, 1000), or 0.0;
         /// A grey picture over the body's texture coordinates: pixels of value i (of 255) bear the i-th kind.
         map: Option<Slot<Texture>> = "map", Text("a grey .png");

@@ -43,7 +43,7 @@ record! {
     /// How finely a feather is made, and how its barbs are seen.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
     pub struct Detail {
-        /// Which parts stand there one by one.
+        /// Which parts of the feather are made one by one.
         level: DetailLevel = "level", (), or DetailLevel::Auto;
         /// How barbs are seen.
         view_model: ViewModel = "view_model", (), or ViewModel::Grown;

@@ -31,7 +31,7 @@ record! {
         material: Option<String> = "material", Text("a species, structure or .barbule file");
         /// What the lower sides of its barbules are made of.
         under: Under = "under", (), or Under::default();
-        /// What makes its barbules reciprocal.
+        /// How its barbules are made to look the same when light and eye change places.
         reciprocity: Reciprocity = "reciprocity", (), or Reciprocity::Steeper;
         /// The feather: its sizes, or the name of a type.
         feather: Option<Feather> = "feather", ();

@@ -66,7 +66,7 @@ record! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct SceneDescription {
         /// Width and height in pixels.
-        size: Option<[u32; 2]> = "size", within(1, u32::MAX);
+        size: Option<[u32; 2]> = "size", within(1, 16384);
         /// Factor from radiance to the picture's linear values, or "auto": so that its middle is that of a grey card and highlights keep their
         /// colours, with stops more or less as in "auto-1.5".
         exposure: Exposure = "exposure", (), or Exposure::AUTO;

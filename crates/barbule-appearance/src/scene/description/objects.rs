@@ -42,7 +42,7 @@ record! {
         name: Option<String> = "name", Text("a name of your own");
         /// The table [surfaces.NAME] of a shape that is no feather.
         surface: Option<String> = "surface", Text("the name of a table [surfaces.NAME]");
-        /// Where it stands several times, in place of its own place.
+        /// Places at which the same shape stands, instead of its one place.
         instances: Vec<Placement> = "instances", Several { least: 1, most: MOST_INSTANCES, of: () }, or Vec::new();
         @flat {
             /// Its shape.
@@ -149,7 +149,7 @@ record! {
         material: Option<String> = "material", Text("a species, structure or .barbule file");
         /// What the lower sides of a feather's barbules are made of, where its dress does not say; `default` where that does not either.
         under: Option<Under> = "under", ();
-        /// What makes them reciprocal, where its dress does not say; `steeper` where that does not either.
+        /// How they are made to look the same when light and eye change places, where its dress does not say; `steeper` where that does not either.
         reciprocity: Option<Reciprocity> = "reciprocity", ();
         /// What the parts of a feather are made of.
         dress: Option<Dress> = "dress", ();

@@ -40,7 +40,7 @@ record! {
         arch: f64 = "arch_deg", degrees(-360, 360);
         /// The part quadratic in the arc length, rad.
         arch_quadratic: f64 = "arch_quadratic_deg", degrees(-360, 360);
-        /// Turn of the vane about the shaft at the tip, rad: positive raises the right vane.
+        /// Turn of the vane about the shaft at the tip, positive where it raises the right vane, rad.
         torsion: f64 = "torsion_deg", degrees(-360, 360);
     }
 }
@@ -63,7 +63,7 @@ record! {
         curl: f64 = "curl_deg", degrees(-180, 180);
         /// Sag of the vane at its edge over its half width.
         camber: f64 = "camber", within(-5, 5);
-        /// Elevation of the vanes over the plane of the shaft, rad: positive is a V seen from the tip.
+        /// Elevation of the vanes over the plane of the shaft, positive for a V seen from the tip, rad.
         dihedral: f64 = "dihedral_deg", degrees(-60, 60);
         /// Width of the ramus at its base, µm.
         width_um: f64 = "ramus_width_um", within(0.5, 1000);
@@ -90,7 +90,7 @@ record! {
     /// An eye, as on a peafowl's train: a zipped disc near the tip, and barbs that stand apart below it.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct EyeShape {
-        /// Length of the shaft, up to its tip, from which the barbs of the eye leave, mm; 0: there is no eye.
+        /// Length of the shaft, up to its tip, from which the barbs of the eye leave (0: there is no eye), mm.
         length_mm: f64 = "length_mm", within(0, 2000);
         /// How far its middle lies before the shaft's tip, mm.
         middle_mm: f64 = "middle_mm", within(-500, 500);
@@ -137,17 +137,17 @@ record! {
         base_lift: f64 = "base_lift_deg", degrees(-80, 80);
         /// Elevation over the vane at the end, rad.
         end_lift: f64 = "end_lift_deg", degrees(-80, 80);
-        /// Turn about its own axis, rad: positive turns the upper side towards the barb's tip.
+        /// Turn about its own axis, positive where it turns the upper side towards the barb's tip, rad.
         tilt: f64 = "tilt_deg", degrees(-180, 180);
         /// Further turn at the root, gone after a tenth of the length, rad.
         root_tilt: f64 = "root_tilt_deg", degrees(-180, 180);
-        /// Length of a cell, µm: structure is constant within it; 0: a barbule is one cell.
+        /// Length of a cell, within which the structure is the same (0: a barbule is one cell), µm.
         cell_um: f64 = "cell_um", within(0, 10000);
         /// Swelling of cells, low arches along the barbule: slope at their ends, rad.
         swelling: f64 = "swelling_deg", degrees(0, 45);
         /// Length of the dark wall between two cells, µm.
         wall_um: f64 = "wall_um", within(0, 1000);
-        /// Slope of the arched cross-section's normal at its edge towards −x, rad; flat where both are 0.
+        /// Slope of the arched cross-section's normal at its edge towards −x (flat where both are 0), rad.
         arch_low: f64 = "arch_low_deg", degrees(-90, 90);
         /// At its edge towards +x, rad.
         arch_high: f64 = "arch_high_deg", degrees(-90, 90);
@@ -166,7 +166,7 @@ record! {
         wave: f64 = "wave_share", within(0, 1);
         /// Length of the waves over that of the barbs.
         wavelength: f64 = "wavelength_share", within(0.02, 10);
-        /// Length of the barbs, mm; 0: they end on the vane's outline.
+        /// Length of the barbs (0: they end on the vane's outline), mm.
         barb_length_mm: f64 = "barb_length_mm", within(0, 500);
         /// Width of the ramus at its base, µm.
         ramus_width_um: f64 = "ramus_width_um", within(0.5, 1000);
@@ -202,7 +202,7 @@ record! {
     pub struct Disorder {
         /// Of the barbs' lengths, as a share.
         barb_length: f64 = "barb_length_share", within(0, 1);
-        /// Of the barbs' angles, rad: hooks hold neighbours together, so that the angle drifts along the shaft.
+        /// Of the barbs' angles, which drift along the shaft since hooks hold neighbours together, rad.
         barb_angle: f64 = "barb_angle_deg", degrees(0, 45);
         /// Number of barbs over which it drifts.
         barb_coherence: f64 = "barb_coherence", within(1, 1000);
@@ -226,7 +226,7 @@ record! {
         barbule_spacing: f64 = "barbule_spacing_share", within(0, 1);
         /// Of the barbules' lengths, as a share.
         barbule_length: f64 = "barbule_length_share", within(0, 1);
-        /// Turn of a barbule about its own axis, rad, beyond what its material holds.
+        /// Turn of a barbule about its own axis beyond what its material holds, rad.
         barbule_turn: f64 = "barbule_turn_deg", degrees(0, 45);
         /// Of the nanostructure's size from cell to cell of a barbule, as a share.
         cell_size: f64 = "cell_size_share", within(0, 0.3);
@@ -240,13 +240,13 @@ record! {
     /// as bars lean along the barbs.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct PatternShape {
-        /// Distance between dark bars, mm; 0: there are none.
+        /// Distance between dark bars (0: there are none), mm.
         bar_spacing_mm: f64 = "bar_spacing_mm", within(0, 1000);
         /// Share of it that is dark.
         bar_dark: f64 = "bar_dark_share", within(0, 1);
         /// How far the coordinate grows on a mm along a barb.
         bar_lean: f64 = "bar_lean", within(-5, 5);
-        /// Coordinate at which a pale tip begins, mm; 0: there is none.
+        /// Coordinate at which a pale tip begins (0: there is none), mm.
         pale_tip_from_mm: f64 = "pale_tip_from_mm", within(0, 5000);
         /// Standard deviation of the edges between dark and pale, mm.
         edge_mm: f64 = "edge_mm", within(0, 100);

@@ -9,6 +9,26 @@ use std::time::Duration;
 use barbule::brdf::fixtures::example;
 use barbule::io::write_material;
 
+/// The program, with nothing said to it yet.
+pub(crate) fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_barbule"))
+}
+
+/// What a command ends with, held while it runs.
+pub(crate) trait Ends {
+    /// Runs the command, which has to end with `code`.
+    fn ends(&mut self, code: i32) -> Output;
+}
+
+impl Ends for Command {
+    fn ends(&mut self, code: i32) -> Output {
+        let output = self.output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(code), "{:?} says: {said}", self.get_args());
+        output
+    }
+}
+
 /// The file of a made-up material; [`write_made_up`] writes it.
 pub(crate) const MADE_UP: &str = concat!(env!("CARGO_TARGET_TMPDIR"), "/made-up.barbule");
 
@@ -23,12 +43,7 @@ pub(crate) const CLOSE_UP: &str = include_str!("../../../../barbule/tests/it/dat
 
 /// A run of the program, and its largest resident memory, as often as it was looked at, MB; 0 where the system does not say.
 pub(crate) fn run_and_peak(words: &[&str]) -> (Output, f64) {
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin!("barbule"))
-        .args(words)
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut child = program().args(words).stderr(Stdio::piped()).stdout(Stdio::null()).spawn().unwrap();
     let status = format!("/proc/{}/status", child.id());
     let mut peak = 0f64;
     while child.try_wait().unwrap().is_none() {

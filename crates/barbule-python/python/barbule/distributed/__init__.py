@@ -6,6 +6,19 @@ each, on what each worker prepares once. Tasks return nothing but their number; 
 and stopped calls cost what was at work, and the same call goes on to the same bits.
 
 Dask is not needed for the rest of the package: ``pip install 'barbule[distributed]'``.
+
+Example:
+    >>> import barbule.distributed, tempfile
+    >>> from distributed import Client, LocalCluster
+    >>> with (
+    ...     LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
+    ...     Client(cluster) as client,
+    ...     tempfile.TemporaryDirectory() as folder,
+    ... ):
+    ...     barbule.distributed.simulate("starling", folder + "/S.zarr", client=client, thin=10, progress=False)
+    ...     material = barbule.fit(folder + "/S.zarr")
+    >>> len(material.wavelengths_nm)
+    6
 """
 
 from __future__ import annotations
