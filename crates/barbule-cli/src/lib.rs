@@ -13,6 +13,7 @@ mod exhausted;
 pub mod figure;
 mod heights_arg;
 mod materials;
+mod measured_args;
 mod outputs;
 mod peak_args;
 pub mod progress;
