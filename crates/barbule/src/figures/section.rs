@@ -402,7 +402,7 @@ pub(super) fn legend(section: &Section, most: f64) -> Drawing {
     drawing
 }
 
-/// The parameters of a hummingbird beside its first three layers without their randomness, as in the seed's figure 8.
+/// The parameters of a hummingbird beside its first three layers without their randomness, as in the supplement's figure 8.
 fn hummingbird_sketch(parameters: &Hummingbird, regular: &Section, page: f64) -> Drawing {
     let p = parameters;
     let nm = |um: f64| format!("{:.0} nm", um * 1e3);

@@ -1,4 +1,4 @@
-//! Segments in three dimensions: a cut across and a cut along, to scale, as in the seed's figure 49.
+//! Segments in three dimensions: a cut across and a cut along, to scale, as in the supplement's figure 49.
 
 use super::section::{FONT, HEADING, MARGIN, blend, legend, scale_bar_of, shade};
 use crate::Result;

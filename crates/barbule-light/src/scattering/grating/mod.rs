@@ -11,7 +11,7 @@
 //! so that a flat patch reflects as a mirror does: ∫ f cosθ_o dω_o = R. Everything about a patch is P, a function of the
 //! frequency (u, v)/λ and of κ = kw alone, which [`Powers`] keep for any wavelength, and [`Tables`] once integrated over a
 //! light's wavelengths. Sources: Stam, *Diffraction Shaders*, SIGGRAPH 1999; Dhillon et al., *Interactive Diffraction from
-//! Biological Nanostructures*, 2014 (the seed). Here angles are polar ones from the surface's normal z.
+//! Biological Nanostructures*, 2014. Here angles are polar ones from the surface's normal z.
 
 mod powers;
 mod tables;

@@ -1,6 +1,6 @@
 //! Tables of colour over (u, v): a grating's light once its wavelengths are summed.
 //!
-//! XYZ = R Γ Σ_p b_p(w) I_p(u, v), with b_p = w^p in the seed's Taylor series and, better conditioned, Chebyshev polynomials
+//! XYZ = R Γ Σ_p b_p(w) I_p(u, v), with b_p = w^p in Taylor's series (Dhillon et al. 2014) and, better conditioned, Chebyshev polynomials
 //! of w + 1 over all w ∈ \[−2, 0\]. Tables lie on a grid that is finest at u = v = 0, where a mirror's narrow lobe is:
 //! u = 2 sgn(t)|t|^e of even steps in t, with cubics in t between (Catmull–Rom's, through the values of four places along
 //! either axis): of a grating's smooth dispersion they leave a tenth of the error of straight lines.
@@ -21,7 +21,7 @@ const MOST_VALUES: usize = 1 << 30;
 /// Which functions of w the tables go with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Basis {
-    /// (w/2)^p, p = 0 … 2 `orders`: the seed's, each table 2^p times its own.
+    /// (w/2)^p, p = 0 … 2 `orders`: Taylor's series, each table 2^p times that of w^p.
     Taylor {
         /// Order N of the series of the amplitude.
         orders: usize,

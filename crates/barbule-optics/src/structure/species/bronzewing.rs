@@ -1,4 +1,4 @@
-//! The common bronzewing (seed, §1.3): a stack of melanosome chains under the top and another over the bottom.
+//! The common bronzewing (the feather paper's supplement, §1.3): a stack of melanosome chains under the top and another over the bottom.
 
 use super::super::chain::chain;
 use super::super::curve::Roughness;

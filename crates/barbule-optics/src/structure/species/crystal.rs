@@ -1,4 +1,4 @@
-//! Barbules coloured by photonic crystals (seed, §1.5–1.7): rods of melanin under the cortex, hexagonal or rectangular,
+//! Barbules coloured by photonic crystals (the feather paper's supplement, §1.5–1.7): rods of melanin under the cortex, hexagonal or rectangular,
 //! solid or hollow, with or without air channels between them, below a flat top with rounded ends or an arched one.
 
 use super::super::crystal::{CrystalLayer, Regularity};

@@ -1,4 +1,4 @@
-//! Hummingbirds (seed, §1.4 and its figure 8): layers of pancake melanosomes, each with a row of air bubbles.
+//! Hummingbirds (the feather paper's supplement, §1.4, figure 8): layers of pancake melanosomes, each with a row of air bubbles.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! The rock dove (seed, §1.1): a keratin cortex with air on both sides, arched, melanin granules inside.
+//! The rock dove (the feather paper's supplement, §1.1): a keratin cortex with air on both sides, arched, melanin granules inside.
 
 use super::super::curve::{Roughness, grid, point_count};
 use super::super::outline::arched;

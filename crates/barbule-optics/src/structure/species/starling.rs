@@ -1,4 +1,4 @@
-//! The European starling (seed, §1.2): a keratin film over a chain of melanosomes, and its mirror image at the bottom.
+//! The European starling (the feather paper's supplement, §1.2): a keratin film over a chain of melanosomes, and its mirror image at the bottom.
 
 use super::super::chain::chain;
 use super::super::curve::{Roughness, grid, point_count};
