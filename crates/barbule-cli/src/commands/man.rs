@@ -103,7 +103,9 @@ fn pages() -> Result<Vec<Page>> {
         rendered.map_err(|e| Error::machine(format!("{name}: no page can be made: {e}")))?;
         let roff = String::from_utf8(roff).map_err(|e| Error::machine(format!("{name}: {e}")))?;
         let lines: Vec<_> = roff.lines().map(|line| mended(&name, line)).collect();
-        pages.push(Page { name, roff: lines.join("\n") + "\n" });
+        // An empty line between two ends of lines is one too many for readers of manuals.
+        let roff = (lines.join("\n") + "\n").replace("\n.br\n\n.br\n", "\n.sp\n");
+        pages.push(Page { name, roff });
         open.extend(command.get_subcommands().collect::<Vec<_>>().into_iter().rev());
     }
     Ok(pages)
