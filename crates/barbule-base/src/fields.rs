@@ -5,6 +5,7 @@ mod key;
 mod record;
 mod spot;
 mod toml_text;
+mod value;
 
 use std::ops::RangeInclusive;
 
@@ -12,10 +13,9 @@ pub use serde_json::{Map, Value};
 
 pub use json_text::{in_json, parse_json};
 pub use key::{Choice, Key, Kind, Usual, canonical, inner, schema, table_at};
-pub use record::{
-    Fed, FieldValue, Record, Several, Text, Within, chosen, degrees, one_of, unknown, up_to, within,
-};
+pub use record::{Fed, Record, chosen, one_of, unknown};
 pub use toml_text::{at_key, at_line, at_span, in_toml, line_of, parse_toml};
+pub use value::{FieldValue, Several, Text, Within, degrees, up_to, within};
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};

@@ -13,6 +13,7 @@ mod exhausted;
 pub mod figure;
 mod heights_arg;
 mod materials;
+mod measured_args;
 mod outputs;
 mod peak_args;
 pub mod progress;
@@ -132,7 +133,8 @@ fn as_typed(sentence: String, words: &[std::ffi::OsString]) -> String {
 
 /// What is wrong with the arguments, in one sentence: that of the value's reader where it is one of ours, else clap's lines
 /// without its summary of the usage and its far-fetched tips.
-fn unclear(error: &clap::Error) -> String {
+#[must_use]
+pub fn unclear(error: &clap::Error) -> String {
     let reader = std::error::Error::source(error).and_then(|source| source.downcast_ref::<Error>());
     if let Some(refused) = reader {
         return refused.to_string();

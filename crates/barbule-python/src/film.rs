@@ -1,13 +1,11 @@
 //! Planar multilayers.
 
-use barbule::film::gradient::{Gradient, gradient_at};
-use barbule::film::{FilmTables, Polarization, sweep};
-use barbule::progress::Progress;
+use barbule::film::gradient::{Gradient, gradients};
+use barbule::film::{FilmTables, sweep};
 use barbule::{Complex64, Error, Result, Stack, Wavelengths};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use rayon::prelude::*;
 
 use crate::arrays::{Floats, complex, radians, shaped, wavelengths};
 use crate::error::OrRaise as _;
@@ -90,28 +88,4 @@ fn inputs(
         return Err(Error::input("'angles_deg' is empty; give at least one angle"));
     }
     Ok((stack, wavelengths(wavelengths_nm)?, angles))
-}
-
-/// `[wavelength][angle][polarization]`.
-fn gradients(
-    stack: &Stack,
-    at: &Wavelengths,
-    angles: &[f64],
-    progress: &dyn Progress,
-) -> Result<Vec<Vec<[Gradient; 2]>>> {
-    progress.begin("derivatives", at.len() as u64);
-    let column = |&nm: &f64| {
-        let indices = stack.indices(nm)?;
-        let mut column = Vec::with_capacity(angles.len());
-        for &angle in angles {
-            if progress.is_cancelled() {
-                return Err(Error::interrupted());
-            }
-            let of = |polarization| gradient_at(&indices, stack.thickness_nm(), nm, angle, polarization);
-            column.push([of(Polarization::S)?, of(Polarization::P)?]);
-        }
-        progress.advance(1);
-        Ok(column)
-    };
-    at.nm().par_iter().map(column).collect()
 }

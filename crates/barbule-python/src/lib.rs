@@ -5,6 +5,7 @@
 
 mod arrays;
 mod atlas;
+mod batch;
 mod campaign;
 mod colour;
 mod crystal;

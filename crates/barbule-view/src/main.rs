@@ -10,8 +10,9 @@ use barbule::{Error, Result, Unobserved};
 use barbule_view::arguments::{Arguments, Given, read};
 use barbule_view::gpu::Gpu;
 use barbule_view::headless;
+use barbule_view::live::Effort;
 use barbule_view::ui::{
-    Adapter, App, Effort, Farewell, Saving, Start, look, lost, restored, said, usual_file, usual_folder,
+    Adapter, App, Farewell, Saving, Start, look, lost, restored, said, usual_file, usual_folder,
 };
 use eframe::{egui, egui_wgpu};
 

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-pub use super::fitted::{Fitted, fitted, fitted_scale, fitted_values};
+pub use super::fitted::{Fitted, fitted, fitted_scale};
 pub use super::patterns::Pattern;
 pub use super::report::{Clipped, FitReport, Flagged, GrazingDirection, LARGEST_RESIDUAL};
 pub use super::spectral::SpectralErrors;

@@ -130,13 +130,6 @@ fn lobe_at(set: &LobeSet, node: usize) -> (Lobe, f64) {
     (lobe, f64::from(set.reflected[node]))
 }
 
-/// U' or V' of a lobe: the shape on the azimuths, scaled to reflect `reflected`.
-#[must_use]
-pub fn fitted_values(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> Vec<f64> {
-    let scale = fitted_scale(kind, lobe, theta_i, reflected);
-    directions::azimuths(AZIMUTHS).map(|phi_o| scale * lobe.shape(kind, theta_i, phi_o)).collect()
-}
-
 /// The factor on a lobe's shape with which it reflects `reflected`.
 #[must_use]
 pub fn fitted_scale(kind: FitKind, lobe: Lobe, theta_i: f64, reflected: f64) -> f64 {

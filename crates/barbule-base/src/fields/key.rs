@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::record::FieldValue;
+use super::value::FieldValue;
 use super::{path_of, shown};
 use crate::error::{counted, did_you_mean};
 use crate::{Error, Result};

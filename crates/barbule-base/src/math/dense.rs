@@ -167,11 +167,6 @@ impl Dense {
         product
     }
 
-    /// Subtracts A·B.
-    pub fn subtract_product(&mut self, a: &Self, b: &Self) {
-        matmul(self.view_mut(), Accum::Add, a.view(), b.view(), Complex64::new(-1.0, 0.0), Par::Seq);
-    }
-
     /// The rows of this matrix, then those of `b`.
     #[must_use]
     pub fn above(&self, b: &Self) -> Self {

@@ -101,7 +101,7 @@ impl Args {
         self.check_memory("laying out the feather", feather, 0)?;
         let terminal = Terminal::new(&self.common).writing_nothing();
         let barbules: usize = {
-            let (_, barbs) = feather.barbs_watched(whole, (seed, IDENTITY), &terminal)?;
+            let (_, barbs) = feather.barbs_within(whole, (seed, IDENTITY), &terminal)?;
             barbs.iter().map(|barb| feather.barbule_count(barb)).sum()
         };
         let level =

@@ -8,12 +8,13 @@ use barbule::error::{counted, shortened};
 use barbule::figures;
 use barbule::instrument::Instrument;
 use barbule::inverse::{Level, Open, Outcome, Reading, Settings, Simulation, in_words};
-use barbule::io::measured::{Measurements, Scale, read_measurements};
+use barbule::io::measured::{Measurements, read_measurements};
 use barbule::io::{check_writable, write_whole};
 use barbule::{Error, Result, open};
 use clap::ValueEnum;
 
 use crate::common::{Common, print, print_json};
+use crate::measured_args::{MeasuredUnit, Plane};
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
 use crate::sets;
@@ -65,7 +66,7 @@ pub(crate) struct Args {
     column: Option<String>,
     /// Whether the measurements are percent or parts of 1 [default: percent where names say so or values exceed 1.5]
     #[arg(long, value_enum, value_name = "UNIT")]
-    measured_unit: Option<Unit>,
+    measured_unit: Option<MeasuredUnit>,
     /// Whether each reading has a factor of its own, or reflectances are absolute
     #[arg(long, value_enum, default_value_t = Levels::Free)]
     level: Levels,
@@ -86,24 +87,6 @@ pub(crate) struct Args {
     picture: Option<PathBuf>,
     #[command(flatten)]
     common: Common,
-}
-
-/// Planes of incidence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Plane {
-    /// Angles are φ_i
-    Across,
-    /// Angles are θ_i
-    Along,
-}
-
-/// Units of measured values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Unit {
-    /// 0 to 100
-    Percent,
-    /// 0 to 1
-    Fraction,
 }
 
 /// What is known of the scale.
@@ -163,10 +146,7 @@ impl Args {
     }
 
     fn read(&self) -> Result<Measurements> {
-        let scale = self.measured_unit.map(|unit| match unit {
-            Unit::Percent => Scale::Percent,
-            Unit::Fraction => Scale::Fraction,
-        });
+        let scale = self.measured_unit.map(Into::into);
         let measured = read_measurements(&self.measured, self.column.as_deref(), scale)?;
         measured.reading.iter().for_each(|reading| self.common.say(reading));
         if measured.angles.iter().all(|at| at.angle_deg.is_none()) {

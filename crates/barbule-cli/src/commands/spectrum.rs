@@ -16,7 +16,7 @@ use barbule::campaign::spectrum_bytes;
 use barbule::confidence::Intervals;
 use barbule::error::{counted, shortened};
 use barbule::figures;
-use barbule::io::measured::{Measured, Measurements, Scale, read_measurements};
+use barbule::io::measured::{Measured, Measurements, read_measurements};
 use barbule::progress::{Progress, Several};
 use barbule::solve::core_fringes::{CoreFringes, core_fringes};
 use barbule::spectrum::comparison::Comparison;
@@ -31,6 +31,7 @@ use crate::bird_args::{BirdArgs, Sight, Viewer};
 use crate::campaign::grazing;
 use crate::common::{Common, print_json};
 use crate::figure::FigureArgs;
+use crate::measured_args::{MeasuredUnit, Plane};
 use crate::peak_args::PeakArgs;
 use crate::progress::Terminal;
 use crate::provenance::check_outputs;
@@ -131,15 +132,6 @@ pub(crate) struct Args {
     common: Common,
 }
 
-/// Planes of incidence.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Plane {
-    /// The angle is φ_i
-    Across,
-    /// The angle is θ_i
-    Along,
-}
-
 /// Layouts of tables.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Layout {
@@ -150,15 +142,6 @@ enum Layout {
     /// As spectrometers deliver them: wavelengths, and a column in percent for each curve, or with --individuals for each
     /// individual of it
     Spectrometer,
-}
-
-/// Units of measured values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum MeasuredUnit {
-    /// 0 to 100
-    Percent,
-    /// 0 to 1
-    Fraction,
 }
 
 /// What all structures are asked.
@@ -287,10 +270,7 @@ impl Args {
         if self.measured.is_empty() {
             return Ok(None);
         }
-        let scale = self.measured_unit.map(|unit| match unit {
-            MeasuredUnit::Percent => Scale::Percent,
-            MeasuredUnit::Fraction => Scale::Fraction,
-        });
+        let scale = self.measured_unit.map(Into::into);
         let found = read_measurements(&self.measured, self.column.as_deref(), scale)?;
         self.say_readings(&found);
         let nothing = Spectrum::new(self.wavelengths.clone(), vec![0.0; self.wavelengths.len()])?;

@@ -58,9 +58,9 @@ fn parts_in_any_order_and_killed_runs_give_the_bytes_of_one_process() {
         succeed(at, &["plan.toml", "-o", "parts.zarr", "--shard", part, "--threads", "1"]);
     }
     assert!(bytes_of(&at.join("parts.zarr")) == whole);
-    for repetition in 0..4 {
+    for repetition in 0..2 {
         let name = format!("killed-{repetition}.zarr");
-        for wait in [60, 150 + 100 * repetition] {
+        for wait in [60, 150 + 200 * repetition] {
             let mut child = command(at, &["plan.toml", "-o", &name]).spawn().unwrap();
             std::thread::sleep(Duration::from_millis(wait));
             child.kill().unwrap();
@@ -73,7 +73,7 @@ fn parts_in_any_order_and_killed_runs_give_the_bytes_of_one_process() {
     let (_, message) = succeed(at, &["plan.toml", "-o", "whole.zarr"]);
     assert!(message.contains("nothing to do"), "{message}");
     // Nothing lies about.
-    assert_eq!(std::fs::read_dir(at).unwrap().count(), 1 + 2 + 4);
+    assert_eq!(std::fs::read_dir(at).unwrap().count(), 1 + 2 + 2);
 }
 
 #[test]

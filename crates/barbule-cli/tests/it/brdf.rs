@@ -291,7 +291,7 @@ fn reflected_fractions_are_the_materials_own() {
     assert_eq!(few["reflected_fraction"], many["reflected_fraction"]);
     assert_eq!(few["flagged"], serde_json::json!([false]));
     let words = ["brdf", "starling", "--wavelength", "550", "--marginal", "--azimuths", "2", "--json"];
-    let output = run(&[&words[..], &["--wi", "87,87", "--instance", "1:2:1"]].concat());
+    let output = run(&[&words[..], &["--wi", "0,87", "--instance", "3:4:1"]].concat());
     let drawn: Value = serde_json::from_slice(&output.stdout).unwrap();
     let fractions = table(&drawn["reflected_fraction"]).concat();
     let flagged: Vec<bool> = fractions.iter().map(|fraction| *fraction > 1.001).collect();

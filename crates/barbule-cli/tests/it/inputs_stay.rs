@@ -266,12 +266,10 @@ fn what_a_command_wrote_it_writes_again() {
         for _ in 0..2 {
             let (code, text) = run(at, line);
             assert!(code == 0, "{line}\n{text}");
+            // A damaged file of the cache is read, and replaced.
+            for entry in fs::read_dir(at.join("c")).into_iter().flatten() {
+                fs::write(entry.unwrap().path(), "damaged").unwrap();
+            }
         }
     }
-    // A damaged file of the cache is read, and replaced.
-    for entry in fs::read_dir(at.join("c")).unwrap() {
-        fs::write(entry.unwrap().path(), "damaged").unwrap();
-    }
-    let (code, text) = run(at, cached);
-    assert!(code == 0, "{text}");
 }

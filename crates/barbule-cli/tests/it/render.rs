@@ -368,7 +368,8 @@ fn metal_reflects_what_its_index_says() {
     assert!(red > 1.2 * green && green > blue && red > 0.85 && blue > 0.4, "{red} {green} {blue}");
 }
 
-/// And printed: the same picture from elsewhere, with all the files that they name.
+/// And printed: the same picture from elsewhere, with all the files that they name. Coats take seconds to grow: of these the printed scene is drawn
+/// alone, and is printed the same again.
 #[test]
 fn example_scenes_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
@@ -376,13 +377,18 @@ fn example_scenes_are_drawn() {
     let scenes = barbule::io::files_in(&examples, "toml");
     assert!(scenes.len() >= 2);
     for scene in scenes {
-        let name = format!("{}.png", scene.file_stem().unwrap().to_string_lossy());
-        let drawn = report(folder.path(), &[&scene.to_string_lossy(), "-o", &name]);
+        let print = |scene: &str| barbule(folder.path(), &[scene, "--toml"]).output().unwrap().stdout;
+        let scene = scene.to_string_lossy();
+        let printed = print(&scene);
+        std::fs::write(folder.path().join("printed.toml"), &printed).unwrap();
+        let drawn = report(folder.path(), &["printed.toml", "-o", "printed.png"]);
         assert!(drawn["paths"].as_u64().unwrap() > 0);
-        let printed = barbule(folder.path(), &[&scene.to_string_lossy(), "--toml"]).output().unwrap();
-        std::fs::write(folder.path().join("printed.toml"), &printed.stdout).unwrap();
-        let again = report(folder.path(), &["printed.toml", "-o", "printed.png"]);
-        assert_eq!(drawn["pixel_hash"], again["pixel_hash"], "{name}");
+        if String::from_utf8_lossy(&printed).contains("coat") {
+            assert_eq!(print("printed.toml"), printed, "{scene}");
+        } else {
+            let own = report(folder.path(), &[&scene, "-o", "own.png"]);
+            assert_eq!(own["pixel_hash"], drawn["pixel_hash"], "{scene}");
+        }
     }
 }
 

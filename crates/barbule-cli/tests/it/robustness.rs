@@ -56,7 +56,7 @@ fn killed(repetitions: u64) {
 
 #[test]
 fn a_killed_campaign_resumes_to_the_same_bits() {
-    killed(5);
+    killed(3);
 }
 
 /// Before a release: `cargo test --release -p barbule-cli --test it robustness -- --ignored`.

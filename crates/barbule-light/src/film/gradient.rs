@@ -6,10 +6,13 @@
 //! depend on the size of the fields, so each matrix may have the scale that keeps it finite.
 
 use num_complex::Complex;
+use rayon::prelude::*;
 
 use super::{Entry, Polarization, check_balance, entry, power_of_two, resonance};
+use crate::progress::Progress;
+use crate::spectrum::Wavelengths;
 use crate::stack::Stack;
-use crate::{Complex64, Result};
+use crate::{Complex64, Error, Result};
 
 /// The reflected amplitude and its derivatives. It is holomorphic in every index n + jk: a change dn + j dk of one changes it by
 /// `by_index` · (dn + j dk).
@@ -83,6 +86,33 @@ pub fn gradient_at(
     }
     found.by_index.push(row.pair[1] * by_exit(&entry, indices[layers + 1]) * row.power());
     Ok(found)
+}
+
+/// Gradients at every wavelength and angle (rad), in parallel over wavelengths: `[wavelength][angle][polarization]`, s before p.
+///
+/// # Errors
+/// As [`gradient`], or the user cancelled.
+pub fn gradients(
+    stack: &Stack,
+    at: &Wavelengths,
+    angle: &[f64],
+    progress: &dyn Progress,
+) -> Result<Vec<Vec<[Gradient; 2]>>> {
+    progress.begin("derivatives", at.len() as u64);
+    let column = |&nm: &f64| {
+        let indices = stack.indices(nm)?;
+        let mut column = Vec::with_capacity(angle.len());
+        for &angle in angle {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let of = |polarization| gradient_at(&indices, stack.thickness_nm(), nm, angle, polarization);
+            column.push([of(Polarization::S)?, of(Polarization::P)?]);
+        }
+        progress.advance(1);
+        Ok(column)
+    };
+    at.par_iter().map(column).collect()
 }
 
 /// dY/dn of the exit.

@@ -138,16 +138,11 @@ pub fn reflect(
     Ok(r)
 }
 
-/// The cosine times the index, q = n·cosα, in a medium of index `n` for a wave that comes at `angle` (rad) in a
-/// medium of real index `entry`: Re q ≥ 0 and Im q ≥ 0.
-#[must_use]
-pub fn normal_index(n: Complex64, entry: f64, angle: f64) -> Complex64 {
-    let cosine = entry * angle.cos();
-    normal_index_from(n, entry, cosine * cosine)
-}
-
+/// The cosine times the index, q = n·cosα, in a medium of index `n` for a wave that comes from a medium of real index `entry`, where its
+/// q² is `entry_q_squared`: Re q ≥ 0 and Im q ≥ 0.
+///
 /// q² = (n − n₀)(n + n₀) + (n₀ cosα₀)² keeps the digits that n² − (n₀ sinα₀)² loses near grazing.
-fn normal_index_from(n: Complex64, entry: f64, entry_q_squared: f64) -> Complex64 {
+fn normal_index(n: Complex64, entry: f64, entry_q_squared: f64) -> Complex64 {
     let squared = (n - entry) * (n + entry) + entry_q_squared;
     // A lossless evanescent wave decays: rounding must not turn its root around.
     let im = if squared.im > 0.0 { squared.im } else { 0.0 };
@@ -257,7 +252,7 @@ fn entry(
 
 impl Entry {
     fn q(&self, n: Complex64) -> Complex64 {
-        normal_index_from(n, self.index, self.q_squared)
+        normal_index(n, self.index, self.q_squared)
     }
 
     /// Tangential partner field over the perpendicular one of a wave that goes down: q for s, q/n² for p.

@@ -88,6 +88,9 @@ impl Band {
     }
 }
 
+/// Integrals of channels, between which quotients and sums of them stay numbers.
+const USUAL_SUMS: std::ops::RangeInclusive<f64> = 1e-100..=1e100;
+
 /// What a channel answers to light, by wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
@@ -177,11 +180,19 @@ impl Sensor {
                     "{place}: its value at {nm} nm is {value}; give finite ones not below 0"
                 )));
             }
-            if band.integral(&curve.response) <= 0.0 {
+            let sum = band.integral(&curve.response);
+            if sum <= 0.0 {
                 return Err(Error::input(format!(
                     "{place}: it is 0 from {} to {} nm, so it sees nothing; leave it out",
                     band.low_nm(),
                     band.high_nm()
+                )));
+            }
+            if !USUAL_SUMS.contains(&sum) {
+                return Err(Error::input(format!(
+                    "{place}: its integral over the wavelengths is {sum:e}; give values in a unit that makes it {:e} to {:e}",
+                    USUAL_SUMS.start(),
+                    USUAL_SUMS.end()
                 )));
             }
         }

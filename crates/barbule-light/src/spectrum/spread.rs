@@ -49,23 +49,6 @@ impl Moments {
             (a + b) * (a + b) / (a * a / (self.count as f64 - 1.0) + b * b / (other.count as f64 - 1.0));
         degrees.is_finite().then(|| interval_95(degrees) * (a + b).sqrt())
     }
-
-    /// How many individuals as different as these have a mean whose 95 % interval is within ± `half_width`; none where that takes
-    /// over a million.
-    #[must_use]
-    pub fn individuals_for(&self, half_width: f64) -> Option<usize> {
-        let enough = |n: usize| interval_95(n as f64 - 1.0) * self.std / (n as f64).sqrt() <= half_width;
-        // The half width falls with the number.
-        let (mut low, mut high) = (1, 1_000_000);
-        if !enough(high) {
-            return None;
-        }
-        while high - low > 1 {
-            let middle = usize::midpoint(low, high);
-            if middle > 1 && enough(middle) { high = middle } else { low = middle }
-        }
-        Some(high)
-    }
 }
 
 /// How individuals differ.
@@ -152,18 +135,12 @@ mod tests {
     }
 
     #[test]
-    fn differences_have_welchs_interval_and_numbers_suffice() {
+    fn differences_have_welchs_interval() {
         // Welch's textbook case: n 10 and 20, s 2 and 3: 27.6 degrees of freedom.
         let (a, b) = (Moments { count: 10, mean: 0.0, std: 2.0 }, Moments { count: 20, mean: 1.0, std: 3.0 });
         let error = (0.4_f64 + 0.45).sqrt();
         let degrees = 0.85_f64.powi(2) / (0.16 / 9.0 + 0.2025 / 19.0);
         let half = a.difference_half_width(&b).unwrap();
         assert!((half - interval_95(degrees) * error).abs() < 1e-12 && (half - 1.893).abs() < 0.01, "{half}");
-        for half_width in [0.2, 1.0, 5.0] {
-            let n = a.individuals_for(half_width).unwrap();
-            let reached = |n: usize| interval_95(n as f64 - 1.0) * 2.0 / (n as f64).sqrt();
-            assert!(reached(n) <= half_width && (n == 2 || reached(n - 1) > half_width), "{n}");
-        }
-        assert_eq!(a.individuals_for(1e-4), None);
     }
 }

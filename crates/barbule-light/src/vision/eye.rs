@@ -264,7 +264,8 @@ fn normalized(name: String, answer: impl Fn(f64) -> f64, abundance: f64, source:
     let raw = DenseSpectrum::new(answer);
     let places = raw.values().iter().enumerate();
     let (at, top) = places.fold((0, 0.0), |best, (i, v)| if *v > best.1 { (i, *v) } else { best });
-    if raw.values().iter().any(|v| !(v.is_finite() && *v >= 0.0)) || top <= 0.0 {
+    // Of the least numbers there is no reciprocal.
+    if raw.values().iter().any(|v| !(v.is_finite() && *v >= 0.0)) || top < f64::MIN_POSITIVE {
         return Err(Error::input(format!(
             "the cone '{}' has an answer that is negative or not finite, or sees nothing at all; give values not below 0, one of them above",
             shortened(&name)

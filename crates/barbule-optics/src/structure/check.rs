@@ -4,8 +4,8 @@ use super::section::{
     Inclusion, LARGEST_COORDINATE_UM, Loop, MOST_POINTS, Medium, Parts, Polyline, Section, material, refuse,
 };
 use super::sweep;
-use crate::Result;
 use crate::material::Library;
+use crate::{Error, Result};
 
 /// Boundaries may overlap by this much (rounding of interpolated heights), µm.
 const ROUNDING_UM: f64 = 1e-11;
@@ -33,6 +33,15 @@ impl Nested {
     pub(super) fn shape<'a>(&self, inclusions: &'a [Inclusion]) -> &'a Loop {
         let inclusion = &inclusions[self.inclusion];
         self.hole.map_or(&inclusion.outline, |hole| &inclusion.holes[hole])
+    }
+
+    /// Its place in the section's file.
+    fn name(&self) -> String {
+        let inclusion = self.inclusion;
+        self.hole.map_or_else(
+            || format!("inclusions[{inclusion}]"),
+            |hole| format!("inclusions[{inclusion}].holes[{hole}]"),
+        )
     }
 }
 
@@ -368,51 +377,19 @@ fn nest(parts: &Parts) -> Result<Nesting> {
     if loops.is_empty() {
         return Ok(Nesting::default());
     }
-    let name = |index: usize| {
-        let nested: &Nested = &loops[index];
-        nested.hole.map_or_else(
-            || format!("inclusions[{}]", nested.inclusion),
-            |hole| format!("inclusions[{}].holes[{hole}]", nested.inclusion),
-        )
-    };
     let shapes: Vec<Polyline> =
         loops.iter().map(|nested| nested.shape(&parts.inclusions).corners()).collect();
-    let parents = match sweep::nesting(&parts.boundaries, &shapes) {
-        Ok(parents) => parents,
-        Err(conflict) => {
-            let (x, z) = (conflict.x_um, conflict.z_um);
-            return refuse(match (conflict.a, conflict.b) {
-                (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) if a == b => format!(
-                    "{} crosses or touches itself at x = {x:.4}, z = {z:.4} µm; give a simple outline",
-                    name(a)
-                ),
-                (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) => format!(
-                    "{} and {} cross or touch at x = {x:.4}, z = {z:.4} µm; move them apart or nest one in the other",
-                    name(a.min(b)),
-                    name(a.max(b))
-                ),
-                (sweep::Owner::Loop(a), sweep::Owner::Boundary(b))
-                | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => {
-                    format!(
-                        "{} crosses or touches boundaries[{b}] at x = {x:.4}, z = {z:.4} µm; an inclusion must lie between two boundaries",
-                        name(a)
-                    )
-                }
-                (sweep::Owner::Boundary(a), sweep::Owner::Boundary(b)) => {
-                    format!("boundaries[{a}] and boundaries[{b}] cross at x = {x:.4}, z = {z:.4} µm")
-                }
-            });
-        }
-    };
+    let parents = sweep::nesting(&parts.boundaries, &shapes)
+        .map_err(|conflict| Error::input(conflict_in_words(&loops, &conflict)))?;
     for (index, nested) in loops.iter().enumerate() {
         if nested.hole.is_some() && parents[index] != Some(outlines[nested.inclusion]) {
             return refuse(format!(
                 "{} does not lie directly inside its inclusion; move it there, or make it an inclusion of its own",
-                name(index)
+                nested.name()
             ));
         }
     }
-    // A chain of parents has no circle, so each loop's depth and medium follow by walking outwards.
+    // A chain of parents has no circle, so the medium about each hole follows by walking outwards.
     let around = |outline: usize| -> Option<usize> {
         let mut at = parents[outline];
         while let Some(index) = at {
@@ -423,8 +400,23 @@ fn nest(parts: &Parts) -> Result<Nesting> {
         }
         None
     };
-    let mut depth = vec![u32::MAX; loops.len()];
-    for start in 0..loops.len() {
+    let shows: Vec<Option<usize>> = loops
+        .iter()
+        .map(|nested| if nested.hole.is_some() { around(outlines[nested.inclusion]) } else { nested.shows })
+        .collect();
+    let depth = depths(&parents);
+    for (index, nested) in loops.iter_mut().enumerate() {
+        nested.parent = parents[index];
+        nested.depth = depth[index];
+        nested.shows = shows[index];
+    }
+    Ok(Nesting { loops })
+}
+
+/// How many loops each lies in, from the one around each.
+fn depths(parents: &[Option<usize>]) -> Vec<u32> {
+    let mut depth = vec![u32::MAX; parents.len()];
+    for start in 0..parents.len() {
         let mut chain = Vec::new();
         let mut at = Some(start);
         while let Some(index) = at.filter(|&i| depth[i] == u32::MAX) {
@@ -436,14 +428,29 @@ fn nest(parts: &Parts) -> Result<Nesting> {
             depth[index] = deeper;
         }
     }
-    let shows: Vec<Option<usize>> = loops
-        .iter()
-        .map(|nested| if nested.hole.is_some() { around(outlines[nested.inclusion]) } else { nested.shows })
-        .collect();
-    for (index, nested) in loops.iter_mut().enumerate() {
-        nested.parent = parents[index];
-        nested.depth = depth[index];
-        nested.shows = shows[index];
+    depth
+}
+
+/// What is wrong where two outlines meet.
+fn conflict_in_words(loops: &[Nested], conflict: &sweep::Conflict) -> String {
+    let (x, z) = (conflict.x_um, conflict.z_um);
+    match (conflict.a, conflict.b) {
+        (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) if a == b => format!(
+            "{} crosses or touches itself at x = {x:.4}, z = {z:.4} µm; give a simple outline",
+            loops[a].name()
+        ),
+        (sweep::Owner::Loop(a), sweep::Owner::Loop(b)) => format!(
+            "{} and {} cross or touch at x = {x:.4}, z = {z:.4} µm; move them apart or nest one in the other",
+            loops[a.min(b)].name(),
+            loops[a.max(b)].name()
+        ),
+        (sweep::Owner::Loop(a), sweep::Owner::Boundary(b))
+        | (sweep::Owner::Boundary(b), sweep::Owner::Loop(a)) => format!(
+            "{} crosses or touches boundaries[{b}] at x = {x:.4}, z = {z:.4} µm; an inclusion must lie between two boundaries",
+            loops[a].name()
+        ),
+        (sweep::Owner::Boundary(a), sweep::Owner::Boundary(b)) => {
+            format!("boundaries[{a}] and boundaries[{b}] cross at x = {x:.4}, z = {z:.4} µm")
+        }
     }
-    Ok(Nesting { loops })
 }

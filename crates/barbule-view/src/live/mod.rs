@@ -2,10 +2,13 @@
 //! materials when somebody asks for them.
 //!
 //! [`run`] does one [`Job`] and tells what it finds as it goes; a [`Worker`] does that on a thread of its own, the newest job first
-//! and alone. Results are plain numbers in arrays.
+//! and alone. Results are plain numbers in arrays. The window's desk asks for what has changed, and keeps what was found as [`Results`].
 
+mod bench;
+mod benches;
 mod compared;
 mod curves;
+mod desk;
 mod film;
 mod hemisphere;
 mod individual;
@@ -13,13 +16,12 @@ mod material;
 mod mean;
 mod media;
 mod raster;
+mod results;
 mod show;
 mod sight;
 mod strips;
-#[cfg(not(target_arch = "wasm32"))]
 pub mod trace;
 mod window;
-#[cfg(not(target_arch = "wasm32"))]
 mod worker;
 
 use barbule::Result;
@@ -29,6 +31,8 @@ use crate::stage::Show;
 
 pub use compared::{Compared, Told};
 pub use curves::Curves;
+pub use desk::Effort;
+pub(crate) use desk::{Busy, Desk, News};
 pub use film::{FilmJob, film};
 pub use hemisphere::{
     Hemisphere, HemisphereJob, direction_at, hemisphere, lit_across, lobe_spectrum, place_of, radius_of,
@@ -38,11 +42,11 @@ pub use material::{MaterialFound, MaterialJob, expected_seconds, material};
 pub use mean::{MeanFound, MeanJob, mean, stages};
 pub use media::{Entry, Hatch, Legend};
 pub use raster::{Raster, raster};
+pub use results::{Known, Results};
 pub use show::{ShowJob, show};
 pub use sight::{Sight, Viewer};
 pub use strips::{AngleSeen, along_angles, reaches, spectral_srgb};
 pub use window::{Window, extent, first_window, near_window};
-#[cfg(not(target_arch = "wasm32"))]
 pub use worker::{Update, Worker};
 
 /// Something to compute.

@@ -79,13 +79,6 @@ impl Part {
     pub fn code(self, zone: usize) -> u32 {
         self as u32 + Self::ZONES * zone as u32
     }
-
-    /// The part and the zone of a number.
-    #[must_use]
-    pub fn of_code(code: u32) -> Option<(Self, usize)> {
-        let part = Self::ALL.get((code % Self::ZONES) as usize)?;
-        Some((*part, (code / Self::ZONES) as usize))
-    }
 }
 
 /// What vertices' places are, and so how the names of individuals follow from them.
@@ -128,12 +121,6 @@ impl Shape {
     #[must_use]
     pub fn vertex_bytes(&self) -> &[u8] {
         bytemuck::cast_slice(&self.vertices)
-    }
-
-    /// The triangles as bytes for a buffer of 32-bit indices.
-    #[must_use]
-    pub fn index_bytes(&self) -> &[u8] {
-        bytemuck::cast_slice(&self.triangles)
     }
 
     /// Refuses what no adapter should be given: corners that do not exist, numbers that are not finite, vectors of another length
@@ -194,11 +181,11 @@ mod tests {
     #[test]
     fn parts_are_told_by_their_codes() {
         for zone in [0, 1, 255] {
-            for part in Part::ALL {
-                assert_eq!(Part::of_code(part.code(zone)), Some((part, zone)));
+            for (part, number) in Part::ALL.into_iter().zip(0..) {
+                let code = part.code(zone);
+                assert_eq!((code % 16, code / 16), (number, zone as u32));
             }
         }
-        assert_eq!(Part::of_code(15), None);
         assert_eq!(size_of::<Vertex>(), 64);
     }
 
@@ -211,7 +198,7 @@ mod tests {
         shape.triangles.push([0, 1, 2]);
         shape.check().unwrap();
         assert_eq!(shape.bounds_mm(), Some([Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0)]));
-        assert_eq!((shape.vertex_bytes().len(), shape.index_bytes().len()), (192, 12));
+        assert_eq!(shape.vertex_bytes().len(), 192);
         shape.vertices[1].normal = [0.0, 0.0, 0.9];
         assert!(shape.check().unwrap_err().to_string().contains("vertex 1 has a vector that is no unit"));
         shape.vertices[1] = corner(f32::NAN);

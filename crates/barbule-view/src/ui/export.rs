@@ -13,8 +13,7 @@ use barbule::plot::{self, Band, Format, MeasuredBand, Page};
 use barbule::spectrum::Spectrum;
 use eframe::egui::{self, Context, Key};
 
-use super::results::{Of, Results};
-use crate::live::Curves;
+use crate::live::{Curves, Known, Results};
 use crate::state::{Command, Export, NeededFile, State, Subject};
 use crate::{Error, Result};
 
@@ -159,7 +158,7 @@ pub(super) fn write(path: &Path, export: Export, state: &State, results: &Result
     }
 }
 
-fn curves(of: &Of) -> Result<&Curves> {
+fn curves(of: &Known) -> Result<&Curves> {
     of.curves.as_ref().ok_or_else(|| Error::input("the spectrum is not computed yet; wait until it is drawn"))
 }
 
@@ -240,7 +239,7 @@ mod tests {
         let at = Wavelengths::new([400.0, 500.0, 600.0]).unwrap();
         let reflected = vec![0.1, 0.2, 0.3, 0.3, 0.2, 0.1];
         let curves = Curves::new(at, vec![0.0, 0.5], reflected, None).unwrap();
-        Results { own: Of { curves: Some(curves), ..Of::default() }, pinned: Of::default() }
+        Results { own: Known { curves: Some(curves), ..Known::default() }, pinned: Known::default() }
     }
 
     #[test]

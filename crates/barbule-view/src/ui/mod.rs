@@ -1,14 +1,12 @@
 //! The window: [`App`] holds the state, the results and the workers, draws everything, and alone changes anything.
 //!
 //! ```text
-//! keys, bar, picture, panes ──► Action ──► App ──► State ──► desk ──► Results ──► panes
-//!                                                              └────► Show ─────► stage
+//! keys, bar, picture, panes ──► Action ──► App ──► State ──► live::Desk ──► Results ──► panes
+//!                                                                 └───────► Show ─────► stage
 //! ```
 
 mod action;
 mod bar;
-mod bench;
-mod desk;
 mod export;
 mod gizmos;
 mod help;
@@ -16,7 +14,6 @@ mod keys;
 pub mod look;
 pub mod panes;
 mod picture;
-mod results;
 mod saving;
 mod status;
 mod traced;
@@ -29,15 +26,13 @@ use barbule::error::shortened;
 use eframe::egui::{self, CentralPanel, CollapsingHeader, Context, Frame, Margin, Panel, ScrollArea, Ui};
 
 pub use action::Action;
-pub use desk::Effort;
-pub use results::{Of, Results};
 pub use saving::{Saving, lost, restored, usual_file, usual_folder};
 
 use crate::gpu::Gpu;
+use crate::live::{Desk, Effort, News, Results};
 use crate::state::{Command, Dropped, Mode, State, catalogue};
 use crate::{Error, Result, show};
 use bar::{Asked, Finder};
-use desk::{Desk, News};
 use export::{Answer, Asking, Pixels};
 use keys::Wish;
 use status::{Frames, Line, Message};

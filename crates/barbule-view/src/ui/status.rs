@@ -3,9 +3,8 @@
 use eframe::egui::{self, Align, Layout, ProgressBar, RichText, Ui};
 
 use super::action::Action;
-use super::desk::Busy;
 use super::look::{QUIET, WRONG};
-use super::results::Of;
+use crate::live::{Busy, Known};
 
 /// Frames of which the rate is the mean.
 const FRAMES: usize = 30;
@@ -52,7 +51,7 @@ pub(super) struct Line<'a> {
     /// What is computed.
     pub busy: Option<Busy>,
     /// What has been computed of what is open.
-    pub of: &'a Of,
+    pub of: &'a Known,
     /// The adapter's name, or why there is none.
     pub adapter: &'a str,
     /// Memory of the picture on the adapter, bytes.
@@ -102,7 +101,7 @@ fn progress(ui: &mut Ui, line: &Line, actions: &mut Vec<Action>) {
 }
 
 /// What there is, in a line.
-fn summary(of: &Of) -> String {
+fn summary(of: &Known) -> String {
     let mut parts = Vec::new();
     match (&of.curves, of.is_whole, of.individuals) {
         (Some(_), _, 1) => parts.push("exact spectra".to_owned()),

@@ -381,7 +381,7 @@ fn worn(scene: &ReadyScene) -> Option<(Arc<FeatherBrdf>, String, String)> {
 /// A whole feather, with its barbules where they are few.
 fn grown(feather: &Feather, seed: u64, progress: &dyn Progress) -> Result<Grown> {
     let whole = VaneDisc::WHOLE;
-    let (_, barbs) = feather.barbs_watched(whole, (seed, IDENTITY), progress)?;
+    let (_, barbs) = feather.barbs_within(whole, (seed, IDENTITY), progress)?;
     let barbules: usize = barbs.iter().map(|barb| feather.barbule_count(barb)).sum();
     if barbules <= FEW_BARBULES.min(MOST_WRITTEN_BARBULES) {
         return feather.grow_watched(whole, Level::Barbules, None, (seed, IDENTITY), progress);

@@ -1,5 +1,7 @@
 //! Measurements as fits take them.
 
+use crate::instrument::{Incidence, Instrument};
+use crate::io::measured::{AtAngle, Measurements};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};
 
@@ -71,6 +73,52 @@ impl Reading {
         let samples =
             if samples.len() > 1 { samples.iter().filter_map(within).collect() } else { Vec::new() };
         Ok(Self { name, mean, samples, beams })
+    }
+
+    /// One reading for each angle of measurements: with an instrument those of flat layers under it, else light from that angle
+    /// alone, across the barbule or `along` it. Where no angle is said it is 0.
+    ///
+    /// # Errors
+    /// As [`Self::new`], or an instrument that does not see a sample so far turned.
+    pub fn of(
+        measurements: &Measurements,
+        instrument: Option<&Instrument>,
+        along: bool,
+        range_nm: Option<[f64; 2]>,
+    ) -> Result<Vec<Self>> {
+        let one = |at: &AtAngle| {
+            let samples: Vec<Spectrum> =
+                at.measured.samples.iter().map(|sample| sample.spectrum.clone()).collect();
+            let angle = at.angle_deg.unwrap_or(0.0);
+            Self::at(angle, &at.measured.mean, &samples, instrument, along, range_nm)
+        };
+        measurements.angles.iter().map(one).collect()
+    }
+
+    /// The reading of samples and their mean at one angle, as [`Self::of`] makes it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn at(
+        angle_deg: f64,
+        mean: &Spectrum,
+        samples: &[Spectrum],
+        instrument: Option<&Instrument>,
+        along: bool,
+        range_nm: Option<[f64; 2]>,
+    ) -> Result<Self> {
+        let angle = angle_deg.to_radians();
+        let towards = |angle: f64| if along { (angle, 0.0) } else { (0.0, angle) };
+        let name = format!("{angle_deg}°");
+        let beams = match instrument {
+            None => vec![Beam { direction: towards(angle), weight: 1.0 }],
+            Some(instrument) => {
+                instrument.check(angle).map_err(|error| error.at(&name))?;
+                let beam = |light: &Incidence| Beam { direction: towards(light.angle), weight: light.weight };
+                instrument.planar(angle).iter().map(beam).collect()
+            }
+        };
+        Self::new(name, mean, samples, beams, range_nm)
     }
 
     /// Its wavelengths, nm.

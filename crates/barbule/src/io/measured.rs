@@ -21,7 +21,7 @@ pub use series::{AtAngle, Measurements, read_measurements};
 
 use super::read_at_most;
 pub use super::whole::LARGEST_TABLE;
-use crate::error::counted;
+use crate::error::{counted, shortened};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::{Error, Result};
 
@@ -33,6 +33,8 @@ const MOST_COLUMNS: usize = 2_000;
 const MOST_NUMBERS: usize = 4_000_000;
 /// Wavelengths beyond these, nm, are typing errors: of light none are measured there.
 const POSSIBLE_NM: [f64; 2] = [1.0, 1e6];
+/// Values beyond it are typing errors, and deviations of them no numbers.
+const LARGEST_VALUE: f64 = 1e100;
 
 /// In which unit the values of a file are, when the user says so.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -175,6 +177,7 @@ struct Found {
 impl Found {
     fn finish(mut self, scale: Option<Scale>) -> Result<Measured> {
         self.say_missing()?;
+        self.check_values()?;
         self.convert()?;
         self.rise()?;
         self.keep()?;
@@ -209,6 +212,22 @@ impl Found {
         if lost > 0 {
             self.said.push(format!("{} with missing values left out", counted(lost, "line")));
             self.retain(|i| known[i]);
+        }
+        Ok(())
+    }
+
+    /// Refuses values that no sample and no lamp has.
+    fn check_values(&self) -> Result<()> {
+        for (name, values) in &self.samples {
+            if let Some((row, value)) =
+                self.rows.iter().zip(values).find(|(_, value)| value.abs() > LARGEST_VALUE)
+            {
+                let error = Error::input(format!(
+                    "'{}' has the value {value:e}, beyond {LARGEST_VALUE:e}",
+                    shortened(name)
+                ));
+                return Err(error.in_line(row.0));
+            }
         }
         Ok(())
     }

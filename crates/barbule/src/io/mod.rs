@@ -42,7 +42,7 @@ pub use crate::brdf::{decode_material, encode_material};
 pub use arrays::{Coordinate, LabelledArrays, Numbers, Quantity, check_new_zarr, write_zarr};
 pub use assets::{Assets, Folder, Memory};
 pub use brdf_tables::{decode_tables, encode_tables, read_tables, write_tables};
-pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays, write_bsdf};
+pub use bsdf::{LARGEST_BSDF, decode_bsdf, encode_bsdf, rgl_arrays};
 pub use cache::{CacheFile, delete_file, list_cache};
 pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, parse_curves, read_curves};
 pub use denoiser::{Denoiser, Noisy, Plane};

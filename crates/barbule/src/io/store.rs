@@ -18,15 +18,14 @@ use std::path::{Path, PathBuf};
 use num_complex::Complex;
 use serde_json::{Value, json};
 
-pub(super) use self::aside::{Files, create_folder, sweep_beside};
+pub(super) use self::aside::{Files, create_folder, create_store, sweep_beside};
 use self::coordinates::Coordinate;
 use self::layout::{ARRAYS, Arrays, Attributes};
 pub(super) use self::layout::{ATLAS, difference};
 pub use self::running::{Announced, Run};
 pub(super) use self::survey::Deal;
 pub use self::survey::{Part, Survey};
-use super::output::{behind_links, is_inside_store};
-use super::whole::{failure, folder_of, read_text};
+use super::whole::{failure, read_text};
 use super::zarr::{Array, Element};
 use crate::progress::Shard;
 use crate::scattering::statistics::{Axes, Statistics, Unit, UnitStatistics};
@@ -86,29 +85,7 @@ impl Store {
             )));
         }
         let here = Attributes::new(axes, instances, name, width, kept_nm, description);
-        let given = path;
-        let refuse = |what: &str| Err(Error::input(what).in_file(given));
-        let path = &behind_links(given)?;
-        if path.file_name().is_none() {
-            return refuse("a store needs a name of its own; give one, as in S.zarr");
-        }
-        if is_inside_store(path) {
-            return refuse("lies inside another campaign store; give a name elsewhere");
-        }
-        let is_empty =
-            |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-        sweep_beside(path);
-        if !path.exists() || is_empty(path) {
-            let folder = folder_of(path);
-            if !folder.is_dir() {
-                return refuse(&format!(
-                    "the store cannot be created (the folder {} does not exist)",
-                    folder.display()
-                ));
-            }
-            // Processes that create one store at the same instant each build their own; the first rename wins.
-            create_folder(path, |made| here.build(path, made))?;
-        }
+        let path = &create_store(path, "another campaign store", |path, made| here.build(path, made))?;
         let store = Self::open(path)?;
         store.attributes.check_same(path, &here)?;
         Ok(store)

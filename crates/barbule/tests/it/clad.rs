@@ -17,7 +17,7 @@ use barbule::scene::light::{Light, Sun, disc_radiance};
 use barbule::spectrum::dense::{Lambdas, WAVES};
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::render::{camera, film_of, lamp, luminance, scene};
+use crate::small_scenes::{camera, film_of, lamp, luminance, scene};
 
 const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
 

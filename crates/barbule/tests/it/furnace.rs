@@ -6,8 +6,8 @@ use std::sync::Arc;
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, Clad, Conductor, FacetRoughness, FibreIndex, Frame, Hair,
-    HairParameters, Hit, Keratin, Lambertian, Layout, Reflectance, RoughDielectric, Surface, ThinFilm,
+    Absorption, BarbuleSurface, Cells, Clad, Conductor, FacetRoughness, Frame, Hit, Keratin, Lambertian,
+    Layout, Reflectance, RoughDielectric, Surface, ThinFilm,
 };
 use barbule::material::Library;
 use barbule::math::rng::Stream;
@@ -19,25 +19,13 @@ use barbule::spectrum::dense::{Lambdas, WAVES};
 use barbule::stack::Stack;
 use glam::DVec3;
 
-use crate::render::{
-    Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, lamp, scene, sky,
+use crate::small_scenes::{
+    Lights, SLACK, agreeing, assert_luminance, bright_pixel, camera, fibres, film_of, hair, lamp, scene, sky,
     square, under_sky,
 };
 
 fn grey(value: f64) -> Reflectance {
     Reflectance::new(|_| value).unwrap()
-}
-
-fn fibre(absorption: Absorption) -> Surface {
-    let parameters = HairParameters {
-        longitudinal_roughness: 0.4,
-        azimuthal_roughness: 0.4,
-        scale_tilt: 0.035,
-        index: FibreIndex::Constant(1.55),
-        absorption,
-        height_over_width: 1.0,
-    };
-    Surface::Hair(Hair::new(parameters).unwrap())
 }
 
 fn film(stack: &str, body: f64) -> Surface {
@@ -60,7 +48,7 @@ fn white() -> Vec<(&'static str, Surface, Geometry)> {
             Surface::Conductor(Conductor::new(FacetRoughness::even(0.05), |_| [1e-3, 40.0]).unwrap()),
             square(2.0),
         ),
-        ("hair", fibre(Absorption::new(|_| 0.0).unwrap()), fibres()),
+        ("hair", hair(0.4, Absorption::new(|_| 0.0).unwrap()), fibres()),
     ]
 }
 
@@ -135,7 +123,7 @@ fn coloured() -> Vec<(&'static str, Surface, Geometry)> {
             ),
             square(2.0),
         ),
-        ("hair", fibre(Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
+        ("hair", hair(0.4, Absorption::pigments(0.6, 0.1).unwrap()), fibres()),
     ]
 }
 
@@ -236,7 +224,7 @@ fn energy_over_both_sides_is_that_of_samples_and_never_more_than_all() {
                 evaluation.f[0] * evaluation.cosine
             });
             let mut stream = Stream::new(21, &[]);
-            let count = 200_000;
+            let count = 50_000;
             let (mut drawn, mut squares) = (0.0, 0.0);
             for _ in 0..count {
                 let Some(sample) = bsdf.sample([stream.unit(), stream.unit(), stream.unit()]) else {
@@ -270,8 +258,8 @@ fn offset(wo: DVec3) -> f64 {
 
 /// Over all directions, in y and the azimuth about it: a barbule's lobe is narrow in y alone.
 fn summed(frame: &Frame, value: impl Fn(DVec3) -> f64) -> f64 {
-    const ROWS: usize = 500;
-    const COLUMNS: usize = 1000;
+    const ROWS: usize = 250;
+    const COLUMNS: usize = 500;
     let mut sum = 0.0;
     for row in 0..ROWS {
         let y = 2.0 * (row as f64 + 0.5) / ROWS as f64 - 1.0;

@@ -1,28 +1,21 @@
-//! The renderer against what must hold for any renderer: furnaces, known radiances, agreement of its techniques, and
-//! the same bits however it is run.
+//! The renderer against what must hold for any renderer: furnaces, known radiances, agreement of its techniques.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
-use barbule::bsdf::{
-    Absorption, BarbuleSurface, Cells, FibreIndex, Hair, HairParameters, Keratin, Lambertian, Reflectance,
-    Surface,
-};
+use barbule::bsdf::{Absorption, BarbuleSurface, Cells, Keratin, Lambertian, Reflectance, Surface};
 use barbule::math::rng::Stream;
-use barbule::progress::{Progress, Shard, Unobserved};
-use barbule::render::checkpoint;
+use barbule::progress::Unobserved;
 use barbule::render::faults::Faults;
 use barbule::render::film::Film;
 use barbule::render::integrator::{Integrator, Technique, Transport};
 use barbule::render::light::{LightSample, Lighting};
 use barbule::render::planes::{Bands, Planes};
-use barbule::render::run::{Ended, Goal, is_done, run};
-use barbule::render::stage::Stage;
+use barbule::render::run::run;
 use barbule::scene::camera::{Camera, Projection};
 use barbule::scene::emission::Emission;
-use barbule::scene::geometry::{CurveNode, Geometry, Mesh, Ribbon, RibbonNode};
+use barbule::scene::geometry::{Geometry, Ribbon, RibbonNode};
 use barbule::scene::light::{Lamp, Light, Rectangle, Sphere, Sun, disc_radiance};
 use barbule::scene::sky::{Environment, Sky};
 use barbule::scene::{Object, Scene};
@@ -30,161 +23,16 @@ use barbule::spectrum::dense::Lambdas;
 use barbule::spectrum::sensor::Band;
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::measure::picture::close_up;
-
-/// The lights of a scene.
-pub(crate) type Lights = (Vec<Lamp>, Option<Environment>);
-
-pub(crate) fn sky(radiance: f64) -> Environment {
-    let sky = Sky::grey(8, 4, Emission::daylight(), |_| radiance).unwrap();
-    Environment { sky, weight: 1.0 }
-}
-
-pub(crate) fn under_sky(sky: Environment) -> Lights {
-    (Vec::new(), Some(sky))
-}
-
-pub(crate) fn lamp(light: Light) -> Lights {
-    (vec![Lamp { light, weight: 1.0 }], None)
-}
-
-pub(crate) fn square(half: f32) -> Geometry {
-    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, 0.0);
-    let positions = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-    let tangents = vec![Vec3::Y; 4];
-    let triangles = vec![[0, 1, 2], [0, 2, 3]];
-    let mesh = Mesh { positions, tangents, triangles, id: 1, ..Mesh::default() };
-    Geometry { meshes: vec![mesh], ..Geometry::default() }
-}
-
-/// Looks down at the origin from an elevation over the x–y plane, rad.
-pub(crate) fn camera(elevation: f64, width_mm: f64) -> Camera {
-    let towards = DVec3::new(elevation.cos() * 0.6, elevation.cos() * 0.8, elevation.sin());
-    Camera {
-        eye: towards * 20.0,
-        target: DVec3::ZERO,
-        up: DVec3::Z,
-        width_mm,
-        projection: Projection::Orthographic,
-    }
-}
-
-pub(crate) fn scene(
-    geometry: Geometry,
-    surface: Surface,
-    (lamps, environment): Lights,
-    camera: Camera,
-) -> Scene {
-    Scene { objects: vec![Object { geometry, surface }], lamps, environment, camera }
-}
-
-/// A scene ready for rays.
-struct Ready {
-    stage: Stage,
-    lighting: Lighting,
-    camera: Camera,
-}
-
-impl Ready {
-    fn new(scene: Scene) -> Self {
-        Self {
-            stage: Stage::new(scene.objects).unwrap(),
-            lighting: Lighting::new(scene.lamps, scene.environment.as_ref()).unwrap(),
-            camera: scene.camera,
-        }
-    }
-
-    fn integrator(&self, most_scatterings: u32, technique: Technique) -> Integrator<'_> {
-        let transport = Transport { most_scatterings, technique, ..Transport::default() };
-        Integrator::new(&self.stage, &self.lighting, &self.camera, transport)
-    }
-}
-
-/// A scene's film with paths of up to 64 scatterings.
-pub(crate) fn film_of(scene: Scene, size: [u32; 2], samples: u32) -> Film {
-    film(&Ready::new(scene).integrator(64, Technique::Both), size, samples)
-}
-
-fn goal(samples: u32) -> Goal {
-    Goal::samples(samples)
-}
-
-fn film(integrator: &Integrator<'_>, size: [u32; 2], samples: u32) -> Film {
-    let mut film = Film::new(size).unwrap();
-    run(integrator, &mut film, 1, goal(samples), &Unobserved, &mut |_| Ok(())).unwrap();
-    film
-}
-
-/// Mean Y of a picture and its standard error.
-pub(crate) fn luminance(film: &Film) -> (f64, f64) {
-    let [width, height] = film.size();
-    let pixels = f64::from(width * height);
-    let (mut sum, mut variance) = (0.0, 0.0);
-    for y in 0..height {
-        for x in 0..width {
-            sum += film.xyz(x, y)[1];
-            // Neighbours share samples: what counts for the mean is what each pixel drew.
-            variance += film.pixel(x, y).variance(film.count(x, y));
-        }
-    }
-    (sum / pixels, variance.sqrt() / pixels)
-}
-
-fn white() -> Surface {
-    Surface::Lambertian(Lambertian::new(Reflectance::new(|_| 1.0).unwrap()))
-}
-
-/// Four deviations and what one wavelength set a pixel leaves of the colour's quadrature.
-pub(crate) fn assert_luminance(film: &Film, expected: f64, what: &str) {
-    let (mean, error) = luminance(film);
-    assert!((mean - expected).abs() < 4.0 * error + 2e-3, "{what}: {mean} ± {error}, expected {expected}");
-}
-
-/// Twelve bent, tapering fibres side by side.
-pub(crate) fn fibres() -> Geometry {
-    let mut fibres = Geometry::default();
-    for i in 0..12 {
-        let x = (i as f32 - 5.5) * 0.3;
-        let curve: Vec<CurveNode> = (0..6)
-            .map(|k| CurveNode {
-                point: Vec3::new(x + 0.1 * (k as f32).sin(), k as f32 - 2.5, 0.2 * (k as f32).cos()),
-                radius: 0.12 - 0.01 * k as f32,
-                ..CurveNode::default()
-            })
-            .collect();
-        fibres.add_curve(&curve, i);
-    }
-    fibres
-}
-
-/// Hair of middle roughness with tilted scales.
-fn hair(absorption: Absorption) -> Surface {
-    let parameters = HairParameters {
-        longitudinal_roughness: 0.3,
-        azimuthal_roughness: 0.3,
-        scale_tilt: 0.035,
-        index: FibreIndex::Constant(1.55),
-        absorption,
-        height_over_width: 1.0,
-    };
-    Surface::Hair(Hair::new(parameters).unwrap())
-}
-
-/// Fibres that absorb nothing are as bright as what surrounds them, whatever goes through them and between them.
-#[test]
-fn white_hair_vanishes_in_a_white_furnace() {
-    let white = hair(Absorption::new(|_| 0.0).unwrap());
-    let scene = scene(fibres(), white, under_sky(sky(1.0)), camera(1.0, 3.0));
-    let film = film_of(scene, [16, 16], 64);
-    assert!((0..256).any(|i| film.pixel(i % 16, i / 16).hits > 0));
-    assert_luminance(&film, 1.0, "hair");
-}
+use crate::small_scenes::{
+    Ready, agreeing, assert_luminance, bright_pixel, camera, fibres, film, film_of, goal, hair, lamp,
+    luminance, scene, sky, square, under_sky, white,
+};
 
 /// What a film tells of its noise is how far pictures of other samples scatter about their mean, with some to spare; independent samples would scatter
 /// farther by half.
 #[test]
 fn noise_is_how_far_pictures_of_other_samples_scatter() {
-    let brown = hair(Absorption::pigments(0.3, 0.1).unwrap());
+    let brown = hair(0.3, Absorption::pigments(0.3, 0.1).unwrap());
     let ready = Ready::new(scene(fibres(), brown, under_sky(sky(1.0)), camera(1.0, 3.0)));
     let integrator = ready.integrator(4, Technique::Both);
     let films: Vec<Film> = (1..=8)
@@ -207,27 +55,6 @@ fn noise_is_how_far_pictures_of_other_samples_scatter() {
     println!("scatter {scatter:.4}, told {told:.4}, as of independent samples {independent:.4}");
     assert!(told > 0.95 * scatter && told < 1.3 * scatter, "{told} {scatter}");
     assert!(independent > 1.2 * scatter, "{independent} {scatter}");
-}
-
-/// Light sampling, directions of the model and both together find the same brightness of pigmented hair.
-#[test]
-fn techniques_agree_on_hair() {
-    let lights = || {
-        let (direction, emission) = (DVec3::new(0.3, 0.2, 0.9).normalize(), Emission::daylight());
-        let emission = emission.scaled(disc_radiance(0.4, 1.0));
-        lamp(Light::Sun(Sun { direction, cos_radius: f64::cos(0.4), emission }))
-    };
-    let of = |technique| {
-        let brown = hair(Absorption::pigments(0.3, 0.1).unwrap());
-        let ready = Ready::new(scene(fibres(), brown, lights(), camera(1.0, 3.0)));
-        luminance(&film(&ready.integrator(16, technique), [16, 16], 128))
-    };
-    let (both, error) = of(Technique::Both);
-    assert!(both > 0.02);
-    for technique in [Technique::BsdfOnly, Technique::LightsOnly] {
-        let (mean, own) = of(technique);
-        assert!((mean - both).abs() < 4.0 * error.hypot(own), "{technique:?}: {mean} ± {own}, both {both}");
-    }
 }
 
 #[test]
@@ -276,7 +103,7 @@ fn light_from_behind_comes_through_a_translucent_sheet() {
     for (direction, expected) in [(DVec3::Z, 0.2), (-DVec3::Z, 0.7)] {
         let scene = scene(square(2.0), sheet.clone(), sun(direction), camera(1.2, 1.0));
         assert_luminance(&film_of(scene.clone(), [8, 8], 128), expected, "sheet");
-        agreeing(scene, 512, "sheet");
+        agreeing(scene, 128, "sheet");
     }
 }
 
@@ -350,21 +177,6 @@ fn a_disc_at_infinity_lights_a_white_plane_by_its_irradiance() {
     assert_luminance(&film_of(scene, [8, 8], 128), 0.7, "sun");
 }
 
-/// What techniques may differ by beside their noise, of the mean: what one wavelength set a pixel leaves of the colour's quadrature.
-pub(crate) const SLACK: f64 = 1e-3;
-
-/// Mean luminance and its error with both techniques, with the BSDF's alone and with the lights' alone, which agree.
-pub(crate) fn agreeing(scene: Scene, samples: u32, name: &str) -> [(f64, f64); 3] {
-    let ready = Ready::new(scene);
-    let means = [Technique::Both, Technique::BsdfOnly, Technique::LightsOnly]
-        .map(|technique| luminance(&film(&ready.integrator(64, technique), [16, 16], samples)));
-    for (mean, error) in &means[1..] {
-        let allowed = 4.0 * error.hypot(means[0].1) + SLACK * means[0].0;
-        assert!((mean - means[0].0).abs() < allowed, "{name}: {means:?}");
-    }
-    means
-}
-
 #[test]
 fn techniques_agree_with_each_other() {
     let brdf = Arc::new(FeatherBrdf::new(&example(12), Options::default()).unwrap());
@@ -383,7 +195,7 @@ fn techniques_agree_with_each_other() {
     let lights = (vec![Lamp { light: Light::Sun(sun), weight: 0.7 }], Some(sky(0.4)));
     for (name, surface) in [("feather", feather), ("keratin", Surface::Keratin(under)), ("white", white())] {
         let scene = scene(square(2.0), surface, lights.clone(), camera);
-        let means = agreeing(scene, 512, name);
+        let means = agreeing(scene, 128, name);
         assert!(means[0].1 <= means[1].1.max(means[2].1), "{name}: {means:?}");
     }
 }
@@ -404,25 +216,7 @@ fn techniques_agree_under_many_lights() {
         .collect();
     let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
     for (name, surface) in [("keratin", Surface::Keratin(under)), ("white", white())] {
-        agreeing(scene(square(2.0), surface, (lamps.clone(), Some(sky(0.4))), camera(0.9, 1.0)), 512, name);
-    }
-}
-
-/// An image of uneven colours, half of its light from one of its pixels.
-pub(crate) fn bright_pixel(width: usize, height: usize) -> Sky {
-    let mut rgb: Vec<[f32; 3]> =
-        (0..width * height).map(|i| [0.5 + 0.3 * (i % 3) as f32, 0.5, 0.2 + 0.1 * (i % 5) as f32]).collect();
-    rgb[width * height / 4 + width / 3] = [0.3 * (width * height) as f32; 3];
-    Sky::image(width, height, rgb, 0.8, 25.0).unwrap()
-}
-
-#[test]
-fn techniques_agree_under_an_image_with_a_bright_pixel() {
-    let under = Keratin::new(0.3, 1.56, Reflectance::melanin(2.0).unwrap()).unwrap();
-    let lights = under_sky(Environment { sky: bright_pixel(24, 12), weight: 1.0 });
-    for surface in [white(), Surface::Keratin(under)] {
-        let scene = scene(square(2.0), surface, lights.clone(), camera(0.9, 1.0));
-        agreeing(scene, 512, "image");
+        agreeing(scene(square(2.0), surface, (lamps.clone(), Some(sky(0.4))), camera(0.9, 1.0)), 128, name);
     }
 }
 
@@ -568,132 +362,6 @@ fn lights_are_sampled_with_their_density() {
         // Five deviations of the chi-square distribution.
         assert!(chi2 < degrees + 5.0 * f64::sqrt(2.0 * degrees), "light {which}: {chi2} of {degrees}");
     }
-}
-
-fn starling() -> Ready {
-    let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = close_up();
-    description.lone_feather_mut().unwrap().window.radius_mm = Some(0.7);
-    description.camera.width_mm = 1.0;
-    Ready::new(description.wearing(brdf).unwrap().scene(7).unwrap().0)
-}
-
-#[test]
-fn the_picture_is_the_same_bits_for_any_number_of_threads() {
-    let picture = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| film(&starling().integrator(5, Technique::Both), [70, 40], 8))
-    };
-    let one = picture(1);
-    assert!(luminance(&one).0 > 0.0);
-    assert_eq!(one, picture(2));
-    assert_eq!(one, picture(5));
-}
-
-/// Stops after some steps of progress.
-struct Impatient(AtomicU64);
-
-impl Progress for Impatient {
-    fn begin(&self, _label: &str, _total: u64) {}
-    fn advance(&self, steps: u64) {
-        self.0.fetch_sub(steps.min(self.0.load(Ordering::SeqCst)), Ordering::SeqCst);
-    }
-    fn is_cancelled(&self) -> bool {
-        self.0.load(Ordering::SeqCst) == 0
-    }
-}
-
-#[test]
-fn an_interrupted_picture_goes_on_to_the_same_bits() {
-    let scene = starling();
-    let integrator = scene.integrator(5, Technique::Both);
-    let goal = Goal { noise: Some(0.08), ..Goal::samples(36) };
-    let mut whole = Film::new([70, 40]).unwrap();
-    run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name(&close_up(), 1, "", &Planes::default());
-    let mut part = Film::new([70, 40]).unwrap();
-    for patience in [8, 12, 6] {
-        let ended =
-            run(&integrator, &mut part, 3, goal, &Impatient(AtomicU64::new(patience)), &mut |_| Ok(()));
-        assert_eq!(ended.unwrap(), Ended::Stopped);
-        let bytes = checkpoint::write(&part, &name);
-        part = checkpoint::read(&bytes, &name, Film::new([70, 40]).unwrap()).unwrap();
-    }
-    assert_ne!(part, whole);
-    assert_eq!(run(&integrator, &mut part, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap(), Ended::Done);
-    assert_eq!(part, whole);
-}
-
-/// Each part of a picture, stopped and read back on the way, with tiles that end by their noise: together they are the picture.
-#[test]
-fn parts_that_were_interrupted_are_together_the_picture() {
-    let scene = starling();
-    let integrator = scene.integrator(5, Technique::Both);
-    let goal = Goal { noise: Some(0.08), ..Goal::samples(24) };
-    let size = [100, 70];
-    let mut whole = Film::new(size).unwrap();
-    run(&integrator, &mut whole, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let name = checkpoint::name(&close_up(), 1, "", &Planes::default());
-    for of in [1, 2, 5] {
-        let mut joined = Film::new(size).unwrap();
-        for shard in (0..of).map(|number| Shard::new(number, of).unwrap()) {
-            let empty = || Film::part(size, Planes::default(), shard).unwrap();
-            let mut part = empty();
-            assert!(!is_done(&part, &goal));
-            let patience = Impatient(AtomicU64::new(10));
-            run(&integrator, &mut part, 3, goal, &patience, &mut |_| Ok(())).unwrap();
-            part = checkpoint::read(&checkpoint::write(&part, &name), &name, empty()).unwrap();
-            run(&integrator, &mut part, 3, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-            assert!(is_done(&part, &goal));
-            joined.join(part).unwrap();
-        }
-        assert!(joined == whole, "of {of}");
-    }
-}
-
-/// A stage is made once: under other lamps and from elsewhere it shows what a stage of its own shows.
-#[test]
-fn one_stage_serves_every_light_and_camera() {
-    let brdf = Arc::new(FeatherBrdf::new(&example(6), Options::default()).unwrap());
-    let mut description = close_up();
-    description.lone_feather_mut().unwrap().window.radius_mm = Some(0.5);
-    description.camera.width_mm = 0.8;
-    let shared = Ready::new(description.clone().wearing(brdf.clone()).unwrap().scene(7).unwrap().0);
-    let mut last = None;
-    for turn_deg in [0.0, 120.0, 240.0] {
-        let mut turned = description.clone();
-        turned.light.bearing.azimuth_deg += turn_deg;
-        turned.camera.bearing.azimuth_deg += 0.5 * turn_deg;
-        let lighting = shared
-            .lighting
-            .with_lamps(turned.clone().wearing(brdf.clone()).unwrap().lamps().unwrap())
-            .unwrap();
-        let camera = turned.camera();
-        let integrator = Integrator::new(&shared.stage, &lighting, &camera, Transport::default());
-        let relit = film(&integrator, [40, 24], 4);
-        let own = Ready::new(turned.wearing(brdf.clone()).unwrap().scene(7).unwrap().0);
-        assert_eq!(relit, film(&own.integrator(5, Technique::Both), [40, 24], 4));
-        assert_ne!(last.as_ref(), Some(&relit));
-        last = Some(relit);
-    }
-}
-
-/// The left tile sees only the sky, the right one also glinting barbules.
-#[test]
-fn a_noise_target_leaves_easy_tiles_early() {
-    let mut scene = starling();
-    // Sideways, until the feather's disc of 1.4 mm fills the right tile's half of a picture of 3 mm only.
-    let aside = (scene.camera.target - scene.camera.eye).cross(scene.camera.up).normalize() * 0.75;
-    scene.camera.width_mm = 3.0;
-    scene.camera.eye -= aside;
-    scene.camera.target -= aside;
-    let integrator = scene.integrator(5, Technique::Both);
-    let mut film = Film::new([64, 32]).unwrap();
-    let goal = Goal { noise: Some(0.02), ..Goal::samples(64) };
-    run(&integrator, &mut film, 1, goal, &Unobserved, &mut |_| Ok(())).unwrap();
-    let hits = |x0: u32| (0..32 * 32).map(|i| film.pixel(x0 + i % 32, i / 32).hits).sum::<u32>();
-    assert!(hits(0) < hits(32) / 20, "{} {}", hits(0), hits(32));
-    assert_eq!([film.count(0, 0), film.count(32, 0)], [16, 64]);
 }
 
 #[test]

@@ -23,7 +23,7 @@ use barbule::spectrum::sensor::{Band, Curve, Sensor};
 use glam::DVec3;
 
 use crate::measure::picture::close_up;
-use crate::render::{camera, scene, square};
+use crate::small_scenes::{camera, scene, square};
 
 fn curve(name: &str, value: impl Fn(f64) -> f64) -> Curve {
     Curve { name: name.to_owned(), response: DenseSpectrum::new(value) }

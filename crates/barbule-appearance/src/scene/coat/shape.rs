@@ -39,7 +39,7 @@ impl Shape {
     /// A feather out of range, or a stop by `progress`.
     pub(super) fn new(feather: &Feather, seed: u64, step_mm: f64, progress: &dyn Progress) -> Result<Self> {
         let window = window(feather);
-        let (shaft, barbs) = feather.barbs_watched(window, (seed, hash(seed, &[1])), progress)?;
+        let (shaft, barbs) = feather.barbs_within(window, (seed, hash(seed, &[1])), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let length = feather.shaft.length_mm;
         let steps = (length / step_mm).ceil() as u32;

@@ -75,6 +75,11 @@ const AXES: &[(&str, [f64; 3])] = &[
     ("-z", [0.0, 0.0, -1.0]),
 ];
 
+/// A vector of length 1 as it is, so that what is printed is read as the same bits; another brought to it.
+fn unit(given: DVec3) -> DVec3 {
+    if (given.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { given } else { given.normalize_or_zero() }
+}
+
 impl FieldValue for Up {
     type Limits = ();
 
@@ -84,7 +89,7 @@ impl FieldValue for Up {
             Value::Array(_) => <[f64; 3]>::of_value(value, path, &within(-1e6, 1e6))?,
             other => return Err(wrong_kind(other, path, "an axis as in \"z\", or three numbers")),
         };
-        let up = Self(DVec3::from(given).normalize_or_zero().into());
+        let up = Self(unit(given.into()).into());
         up.check_value(path, &()).map(|()| up)
     }
 

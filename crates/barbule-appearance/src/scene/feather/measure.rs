@@ -71,7 +71,7 @@ impl Feather {
     /// As [`Feather::check`], or a stop by `progress`.
     pub fn measures(&self, seed: u64, identity: u64, progress: &dyn Progress) -> Result<Measures> {
         let whole = VaneDisc { along_mm: 0.0, radius_mm: None };
-        let (shaft, barbs) = self.barbs_watched(whole, (seed, identity), progress)?;
+        let (shaft, barbs) = self.barbs_within(whole, (seed, identity), progress)?;
         let [first, last] = shaft.vane_range();
         let points: Vec<DVec3> = (0..=1000).map(|i| shaft.at(last * f64::from(i) / 1000.0).point).collect();
         let of = |vane| self.vane_measures(&shaft, &barbs, vane);

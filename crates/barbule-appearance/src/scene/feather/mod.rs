@@ -124,7 +124,7 @@ impl Feather {
             Level::Barbs => self.check_places(window)?,
             Level::Vane | Level::Envelopes => {}
         }
-        let (shaft, barbs) = self.barbs_watched(window, (seed, identity), progress)?;
+        let (shaft, barbs) = self.barbs_within(window, (seed, identity), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let markings = self.markings(zones);
         let mut grown = Grown::new(markings.zones());
@@ -163,7 +163,7 @@ impl Feather {
         identity: u64,
         progress: &dyn Progress,
     ) -> Result<Grown> {
-        let (shaft, barbs) = self.barbs_watched(window, (seed, identity), progress)?;
+        let (shaft, barbs) = self.barbs_within(window, (seed, identity), progress)?;
         let origin = shaft.at(window.along_mm).point;
         let mut grown = Grown::default();
         shaft.mesh(&mut grown.shaft, window, origin, identity);
@@ -268,16 +268,8 @@ impl Feather {
     /// The shaft and the barbs that reach into a window, in the feather's own place: the shaft's base is the origin.
     ///
     /// # Errors
-    /// As [`Feather::check`].
-    pub fn barbs_within(&self, window: VaneDisc, seed: u64, identity: u64) -> Result<(Shaft, Vec<Barb>)> {
-        self.barbs_watched(window, (seed, identity), &Unobserved)
-    }
-
-    /// The same for who may stop it.
-    ///
-    /// # Errors
     /// As [`Feather::check`], or a stop by `progress`.
-    pub fn barbs_watched(
+    pub fn barbs_within(
         &self,
         window: VaneDisc,
         (seed, identity): (u64, u64),

@@ -139,7 +139,7 @@ fn ends_of_barbs_lie_on_the_outline() {
 fn raised_barbs_keep_their_place_beside_a_bent_shaft() {
     for (name, feather) in without_eye() {
         let feather = orderly(feather);
-        let (shaft, barbs) = feather.barbs_within(WHOLE, 1, 1).unwrap();
+        let (shaft, barbs) = feather.barbs_within(WHOLE, (1, 1), &Unobserved).unwrap();
         let flat = rows(&feather, 1).concat();
         assert_eq!(barbs.len(), flat.len());
         for (barb, flat) in barbs.iter().zip(&flat) {
@@ -168,7 +168,7 @@ fn feathers_of_the_two_wings_mirror_each_other() {
         other.shaft.bend_quadratic = -feather.shaft.bend_quadratic;
         other.shaft.torsion = -feather.shaft.torsion;
         let barbs = |feather: &Feather, side: f64| -> Vec<Barb> {
-            let (_, barbs) = feather.barbs_within(WHOLE, 3, 1).unwrap();
+            let (_, barbs) = feather.barbs_within(WHOLE, (3, 1), &Unobserved).unwrap();
             barbs.into_iter().filter(|barb| barb.side == side).collect()
         };
         for side in [-1.0, 1.0] {
@@ -261,7 +261,7 @@ fn hooked_barbs_do_not_cross_even_at_splits() {
 fn the_downy_part_is_loose_and_the_rest_lies_in_the_vane() {
     for (name, feather) in all() {
         let share = feather.downy.share;
-        let (shaft, barbs) = feather.barbs_within(WHOLE, 1, 1).unwrap();
+        let (shaft, barbs) = feather.barbs_within(WHOLE, (1, 1), &Unobserved).unwrap();
         let t = |barb: &Barb| shaft.vane(barb.along_mm);
         // Within the border both kinds alternate; bases differ from their even places a little.
         let [from, to] = [1.0 - 0.5 * BORDER, 1.0 + 0.5 * BORDER].map(|side| side * share);
@@ -277,7 +277,7 @@ fn the_downy_part_is_loose_and_the_rest_lies_in_the_vane() {
         assert_eq!(is_downy, barbs[0].is_loose, "{name}");
     }
     // Down stands all round: ends in every quadrant about the shaft.
-    let (shaft, barbs) = Feather::of_type("down").unwrap().barbs_within(WHOLE, 1, 1).unwrap();
+    let (shaft, barbs) = Feather::of_type("down").unwrap().barbs_within(WHOLE, (1, 1), &Unobserved).unwrap();
     assert!((20..=60).contains(&barbs.len()), "{}", barbs.len());
     let base = shaft.at(0.0);
     let mut quadrants = [0; 4];
@@ -587,7 +587,7 @@ fn barbs_of_a_train_are_hooked_within_its_eye_alone() {
     // In space what is hooked lies in the vane, and the rest leaves it.
     feather.eye.spread = free.spread;
     feather.eye.wave = free.wave;
-    let (shaft, barbs) = feather.barbs_within(WHOLE, 1, 1).unwrap();
+    let (shaft, barbs) = feather.barbs_within(WHOLE, (1, 1), &Unobserved).unwrap();
     let away = |barb: &Barb, share: f64| {
         let (point, ..) = barb.at(share * barb.length_mm);
         let station = shaft.at((point - shaft.at(0.0).point).y.clamp(0.0, length));
@@ -611,7 +611,7 @@ fn a_trains_census_holds_what_grows() {
     let feather = Feather::of_type("train").unwrap();
     let length = feather.shaft.length_mm;
     for window in [WHOLE, VaneDisc { along_mm: length - 20.0, radius_mm: Some(60.0) }] {
-        let (_, barbs) = feather.barbs_within(window, 1, 1).unwrap();
+        let (_, barbs) = feather.barbs_within(window, (1, 1), &Unobserved).unwrap();
         let grown: f64 = barbs.iter().filter(|barb| !barb.is_loose).map(|barb| barb.length_mm).sum();
         let foretold = feather.census(window).barbs_mm[0];
         assert!((0.95..1.8).contains(&(foretold / grown)), "{window:?}: {foretold} {grown}");

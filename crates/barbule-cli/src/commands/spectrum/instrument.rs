@@ -17,7 +17,8 @@ use barbule::structure::{FLAT_WIDTH_UM, Structure};
 use barbule::{Error, Result, figures, reading};
 use serde_json::{Value, json};
 
-use super::{Args, Asked, Plane};
+use super::{Args, Asked};
+use crate::measured_args::Plane;
 use crate::provenance::csv_cell;
 use crate::{sets, structure_arg};
 

@@ -190,13 +190,7 @@ impl Powers {
         basis
     }
 
-    /// |c_j|² of an order by its place, `jy·columns + jx` from the lowest, at κ.
-    #[inline]
-    #[must_use]
-    pub fn of_order(&self, place: usize, kappa: f64) -> f64 {
-        self.sum(place, &self.basis(kappa))
-    }
-
+    /// |c_j|² of an order by its place, `jy·columns + jx` from the lowest.
     #[inline]
     fn sum(&self, place: usize, basis: &[f32; MOST_TERMS]) -> f64 {
         let series = &self.series[place * self.terms..][..self.terms];
@@ -260,7 +254,7 @@ mod tests {
         assert!((powers.smoothed(f, kappa, s_f) / expected - 1.0).abs() < 1e-7);
         // Nothing beyond the highest order, though the patch repeats.
         assert_eq!(powers.smoothed([0.2, 1.0], kappa, s_f), 0.0);
-        assert!((powers.of_order(2, kappa) - 0.625).abs() < 1e-7);
+        assert!((powers.all_at(kappa)[2] - 0.625).abs() < 1e-7);
     }
 
     #[test]

@@ -7,9 +7,9 @@ use egui_plot::{Line, PlotTransform, Points, VLine, uniform_grid_spacer};
 use super::seen;
 use super::style::{self, Pen};
 use super::{Memory, Once};
-use crate::live::{AngleSeen, Curves, Viewer, along_angles};
+use crate::live::{AngleSeen, Curves, Known, Results, Viewer, along_angles};
 use crate::state::{Seer, State};
-use crate::ui::{Action, Of, Results};
+use crate::ui::Action;
 
 /// What was seen last along the angles of one of the two, or why it was not.
 pub(super) type Kept = Once<(Curves, Seer), Result<Vec<AngleSeen>, String>>;
@@ -58,7 +58,7 @@ pub fn angles(ui: &mut Ui, state: &State, results: &Results, memory: &mut Memory
 fn seen_along<'a>(
     kept: &'a mut Kept,
     state: &State,
-    of: Option<&Of>,
+    of: Option<&Known>,
     viewer: &Viewer,
 ) -> Option<&'a Result<Vec<AngleSeen>, String>> {
     let curves = of?.curves.as_ref()?;

@@ -7,9 +7,9 @@ use super::seen;
 use super::style;
 use super::words::digits;
 use super::{Memory, Once};
-use crate::live::{Compared, Told};
+use crate::live::{Compared, Results, Told};
 use crate::state::{Seer, Slider, State};
-use crate::ui::{Action, Results};
+use crate::ui::Action;
 
 /// What was compared last, or why it was not.
 pub(super) type Kept = Once<(Spectrum, Spectrum, Seer), Result<Compared, String>>;

@@ -17,10 +17,11 @@ use super::style::Pen;
 use super::words::digits;
 use super::{Memory, seen, style};
 use crate::live::{
-    Hemisphere, Lobe, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of, radius_of,
+    Hemisphere, Known, Lobe, Results, Sight, Viewer, direction_at, lit_across, lobe_spectrum, place_of,
+    radius_of,
 };
 use crate::state::{Shown, State};
-use crate::ui::{Action, Results};
+use crate::ui::Action;
 
 /// The disc is no larger than this, points.
 const LARGEST: f32 = 340.0;
@@ -294,7 +295,7 @@ fn within(at: &Wavelengths, range: Option<[f64; 2]>) -> Result<Wavelengths> {
 
 /// What one individual scatters over the azimuths, where there is no material yet.
 fn far_field(ui: &mut Ui, state: &State, results: &Results) {
-    let lobe = |of: &crate::ui::Of| of.individual.as_ref().and_then(|one| one.lobe.clone());
+    let lobe = |of: &Known| of.individual.as_ref().and_then(|one| one.lobe.clone());
     let own = lobe(&results.own);
     let pinned = state.pinned().and_then(|_| lobe(&results.pinned));
     if own.is_none() && pinned.is_none() {

@@ -9,9 +9,9 @@ use eframe::egui::{
 use super::layers::{self, Layer};
 use super::words::{length, round_below};
 use super::{Memory, style};
-use crate::live::{Entry, Legend, Raster, Window, first_window, near_window, raster};
+use crate::live::{Entry, Legend, Raster, Results, Window, first_window, near_window, raster};
 use crate::state::{State, Subject};
-use crate::ui::{Action, Results};
+use crate::ui::Action;
 
 /// Two sections stand side by side where each has so much room, points; else one under the other.
 const SIDE_BY_SIDE: f32 = 260.0;

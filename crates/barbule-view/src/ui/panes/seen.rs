@@ -7,9 +7,8 @@ use eframe::egui::Ui;
 use super::style;
 use super::words::percent;
 use super::{Memory, Once};
-use crate::live::{Curves, Sight, Viewer};
+use crate::live::{Curves, Known, Results, Sight, Viewer};
 use crate::state::{Seer, State};
-use crate::ui::{Of, Results};
 
 /// Who sees, or why they cannot.
 pub(super) type Eyes = Once<Seer, Result<Viewer, String>>;
@@ -69,7 +68,7 @@ pub(super) fn both<'a>(memory: &'a mut Memory, state: &State, results: &Results)
     [of(first, state, Some(&results.own), viewer), of(second, state, pinned, viewer)]
 }
 
-fn of<'a>(kept: &'a mut Kept, state: &State, of: Option<&Of>, viewer: &Viewer) -> Option<&'a Seen> {
+fn of<'a>(kept: &'a mut Kept, state: &State, of: Option<&Known>, viewer: &Viewer) -> Option<&'a Seen> {
     let curves = of?.curves.as_ref()?;
     let row = curves.nearest(state.view().angle_deg.to_radians());
     let key = (curves.clone(), row, state.view().eye.clone());

@@ -6,9 +6,9 @@ use eframe::egui::{self, Button, PointerButton, Response, RichText, Sense, Slide
 use super::style;
 use super::words::about;
 use super::{Memory, Once};
-use crate::live::{MaterialJob, expected_seconds};
+use crate::live::{MaterialJob, Results, expected_seconds};
 use crate::state::{Shown, Slider, State, What};
-use crate::ui::{Action, Results};
+use crate::ui::Action;
 
 /// Angles of incidence, deg; wavelengths of lobes, nm; and individuals, as views may have them.
 const ANGLES_DEG: [f64; 2] = [-85.0, 85.0];

@@ -9,9 +9,9 @@ use super::seen::{self, Seen};
 use super::style::{self, Pen};
 use super::words::{digits, percent};
 use super::{Memory, Once};
-use crate::live::spectral_srgb;
+use crate::live::{Results, spectral_srgb};
 use crate::state::{Beside, State};
-use crate::ui::{Action, Results};
+use crate::ui::Action;
 
 /// What was found of measured spectra: with the files, since they are all that tells one from another.
 pub(super) type Kept = Once<(Spectrum, Vec<String>), Vec<Result<Comparison, String>>>;

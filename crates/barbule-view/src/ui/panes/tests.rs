@@ -14,10 +14,11 @@ use egui_kittest::kittest::{AccessKitNode, By, NodeT as _, Queryable as _};
 
 use super::Memory;
 use crate::live::{
-    Curves, FilmJob, HemisphereJob, IndividualJob, MaterialFound, film, hemisphere, individual, lit_across,
+    Curves, FilmJob, HemisphereJob, IndividualJob, Known, MaterialFound, Results, film, hemisphere,
+    individual, lit_across,
 };
 use crate::state::{Beside, Seer, State};
-use crate::ui::{Action, Of, Results};
+use crate::ui::Action;
 
 /// One of the views.
 type Pane = fn(&mut Ui, &State, &Results, &mut Memory, &mut Vec<Action>);
@@ -75,19 +76,19 @@ impl App {
     }
 }
 
-fn of_stack(text: &str) -> Of {
+fn of_stack(text: &str) -> Known {
     let opened = State::open(text, &Opening::default(), &Unobserved).unwrap();
     let at = Wavelengths::usual();
     let angle = (0..6).map(|k| f64::from(15 * k).to_radians()).collect();
     let stack = opened.subject().stack().unwrap().clone();
     let curves = film(&FilmJob { stack, at, angle, individuals: 1, seed: 1 }, &Unobserved).unwrap();
     let structure = opened.structure().unwrap().unwrap();
-    Of {
+    Known {
         curves: Some(curves),
         individuals: 1,
         is_whole: true,
         individual: Some(one(structure)),
-        ..Of::default()
+        ..Known::default()
     }
 }
 
@@ -115,11 +116,11 @@ fn starling() -> App {
         side: 12,
         at: Wavelengths::new([450.0, 550.0, 650.0]).unwrap(),
     };
-    app.results.own = Of {
+    app.results.own = Known {
         hemisphere: Some(hemisphere(&job, &Unobserved).unwrap()),
         brdf: Some(brdf),
         material: Some(MaterialFound { found, thinned: None }),
-        ..Of::default()
+        ..Known::default()
     };
     app
 }

@@ -2,11 +2,8 @@
 
 mod tensors;
 
-use std::path::Path;
-
 use tensors::{Written, WrittenValues, is_tensor_file};
 
-use super::write_whole;
 use crate::bsdf::MeasuredTables;
 use crate::bsdf::measured::{Channels, Grid, MERL_SIZE, Merl, Rgl, RglArrays};
 use crate::{Error, Result};
@@ -77,15 +74,7 @@ pub fn rgl_arrays(bytes: &[u8]) -> Result<RglArrays> {
     })
 }
 
-/// Writes a `.bsdf`; `description` is a text of what it is. Readers of other programs ignore what they do not know.
-///
-/// # Errors
-/// A path that cannot be written.
-pub fn write_bsdf(path: &Path, arrays: &RglArrays, description: &str) -> Result<()> {
-    write_whole(path, &encode_bsdf(arrays, description))
-}
-
-/// The bytes of a `.bsdf`.
+/// The bytes of a `.bsdf`; `description` is a text of what it is. Readers of other programs ignore what they do not know.
 #[must_use]
 pub fn encode_bsdf(arrays: &RglArrays, description: &str) -> Vec<u8> {
     let [phis, thetas] = [arrays.phi_i.len(), arrays.theta_i.len()];

@@ -1,5 +1,6 @@
 //! Rows of numbers, and Gwyddion's export of them with the sizes in comments.
 
+use std::borrow::Cow;
 use std::io::{self, BufRead};
 
 use super::{Raw, Scale};
@@ -59,33 +60,48 @@ fn close(all: &mut [usize; 4], longest: &mut [usize; 4], line: &mut [usize; 4]) 
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
-    let latin;
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(_) => {
-            // Instruments' programs write µ as one byte; what is no text at all has other control characters.
-            if bytes.iter().any(|b| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0c)) {
-                return Err(Error::input(
-                    "is no heightfield: give an NPY, TIFF, PNG or .gwy file, or rows of numbers in text",
-                ));
-            }
-            latin = bytes.iter().map(|b| char::from(*b)).collect::<String>();
-            &latin
-        }
-    };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text).replace("\r\n", "\n").replace('\r', "\n");
-    let rows = || {
-        let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-        numbered.filter(|(_, line)| !line.is_empty())
-    };
+    let text = decoded(bytes)?.replace("\r\n", "\n").replace('\r', "\n");
     let mut comments = Comments::default();
-    for (number, line) in rows() {
+    for (number, line) in rows(&text) {
         if let Some(comment) = line.strip_prefix('#') {
             comments.read(comment).map_err(|what| Error::input(what).in_line(number))?;
         }
     }
+    let (values, columns) = heights(&text)?;
+    if comments.width_um.is_some() != comments.height_um.is_some() {
+        let refusal = Error::input("says only one of Width and Height; give both, or neither and `pitch_um`");
+        return Err(refusal.naming(&["pitch_um"]));
+    }
+    let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
+    let cells = [columns, values.len() / columns];
+    // With sides it is an image.
+    Ok(Raw { cells, values, is_picture: size_um.is_some(), scale: Scale::Unit(comments.unit_um), size_um })
+}
+
+/// The text of a file: UTF-8, or else Latin-1, as instruments' programs write µ as one byte.
+fn decoded(bytes: &[u8]) -> Result<Cow<'_, str>> {
+    if let Ok(text) = std::str::from_utf8(bytes) {
+        return Ok(text.strip_prefix('\u{feff}').unwrap_or(text).into());
+    }
+    // What is no text at all has other control characters.
+    if bytes.iter().any(|b| *b < 0x20 && !matches!(b, b'\t' | b'\n' | b'\r' | 0x0c)) {
+        return Err(Error::input(
+            "is no heightfield: give an NPY, TIFF, PNG or .gwy file, or rows of numbers in text",
+        ));
+    }
+    Ok(bytes.iter().map(|b| char::from(*b)).collect::<String>().into())
+}
+
+/// Lines that are not empty, with their numbers.
+fn rows(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let numbered = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+    numbered.filter(|(_, line)| !line.is_empty())
+}
+
+/// The heights, one row after the other, and how many each row has.
+fn heights(text: &str) -> Result<(Vec<f64>, usize)> {
     // Where semicolons or tabs separate, commas are decimal; else commas separate, and blanks where there is none.
-    let data = || rows().filter(|(_, line)| !line.starts_with('#'));
+    let data = || rows(text).filter(|(_, line)| !line.starts_with('#'));
     let separator = [';', '\t', ','].into_iter().find(|mark| data().any(|(_, line)| line.contains(*mark)));
     let is_wide = matches!(separator, Some(';' | '\t'));
     let words = |line: &str| -> Vec<String> {
@@ -132,14 +148,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Raw> {
     if values.is_empty() {
         return Err(Error::input("has no heights: give rows of numbers"));
     }
-    if comments.width_um.is_some() != comments.height_um.is_some() {
-        let refusal = Error::input("says only one of Width and Height; give both, or neither and `pitch_um`");
-        return Err(refusal.naming(&["pitch_um"]));
-    }
-    let size_um = comments.width_um.zip(comments.height_um).map(|(width, height)| [width, height]);
-    let cells = [columns, values.len() / columns];
-    // With sides it is an image.
-    Ok(Raw { cells, values, is_picture: size_um.is_some(), scale: Scale::Unit(comments.unit_um), size_um })
+    Ok((values, columns))
 }
 
 impl Comments {

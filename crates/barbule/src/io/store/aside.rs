@@ -9,6 +9,7 @@ use std::sync::Mutex;
 use std::time::{Duration, SystemTime};
 
 use super::running;
+use crate::io::output::{behind_links, is_inside_store};
 use crate::io::temporary::{ATTEMPTS, again, shared, sweep};
 use crate::io::whole::{failure, folder_of};
 use crate::{Error, Result};
@@ -116,6 +117,39 @@ fn prefix_beside(path: &Path) -> String {
 pub(in crate::io) fn sweep_beside(path: &Path) {
     let prefix = prefix_beside(path);
     sweep(folder_of(path), |name| name.starts_with(&prefix));
+}
+
+/// Builds a store where nothing or an empty folder is; where something else is, it stays. Its place, behind links; `others` is what it
+/// may not lie in, in words. `build` is given the place and the folder to build in.
+///
+/// # Errors
+/// The path has no name, lies in another store or in a folder that does not exist, or as [`create_folder`].
+pub(in crate::io) fn create_store(
+    given: &Path,
+    others: &str,
+    build: impl Fn(&Path, &Path) -> Result<()>,
+) -> Result<PathBuf> {
+    let refuse = |what: &str| Err(Error::input(what).in_file(given));
+    let path = behind_links(given)?;
+    if path.file_name().is_none() {
+        return refuse("a store needs a name of its own; give one, as in S.zarr");
+    }
+    if is_inside_store(&path) {
+        return refuse(&format!("lies inside {others}; give a name elsewhere"));
+    }
+    sweep_beside(&path);
+    let is_empty = fs::read_dir(&path).is_ok_and(|mut entries| entries.next().is_none());
+    if !path.exists() || is_empty {
+        let folder = folder_of(&path);
+        if !folder.is_dir() {
+            let what =
+                format!("the store cannot be created (the folder {} does not exist)", folder.display());
+            return refuse(&what);
+        }
+        // Processes that create one store at the same instant each build their own; the first rename wins.
+        create_folder(&path, |made| build(&path, made))?;
+    }
+    Ok(path)
 }
 
 /// Builds a folder under another name beside `path` and renames it into place. Where another process was faster, its

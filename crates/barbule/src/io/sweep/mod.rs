@@ -16,9 +16,8 @@ use serde_json::Value;
 
 use self::layout::{GROUP, MATERIALS};
 pub use self::layout::{MOST_CELLS, SweepArray, SweepAxis, SweepCoordinate, SweepLayout};
-use super::output::{behind_links, is_inside_store};
-use super::store::{ATLAS, Announced, Deal, Files, Status, Survey, create_folder, sweep_beside};
-use super::whole::{failure, folder_of, read_text};
+use super::store::{ATLAS, Announced, Deal, Files, Status, Survey, create_store, sweep_beside};
+use super::whole::{failure, read_text};
 use super::zarr::Sharded;
 use crate::progress::Shard;
 use crate::{Error, Result};
@@ -69,29 +68,7 @@ impl SweepStore {
     /// have.
     pub fn create(path: &Path, layout: SweepLayout) -> Result<Self> {
         layout.check()?;
-        let given = path;
-        let refuse = |what: &str| Err(Error::input(what).in_file(given));
-        let path = &behind_links(given)?;
-        if path.file_name().is_none() {
-            return refuse("a store needs a name of its own; give one, as in S.zarr");
-        }
-        if is_inside_store(path) {
-            return refuse("lies inside another store; give a name elsewhere");
-        }
-        let is_empty =
-            |folder: &Path| std::fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-        sweep_beside(path);
-        if !path.exists() || is_empty(path) {
-            let folder = folder_of(path);
-            if !folder.is_dir() {
-                return refuse(&format!(
-                    "the store cannot be created (the folder {} does not exist)",
-                    folder.display()
-                ));
-            }
-            // Processes that create one store at the same instant each build their own; the first rename wins.
-            create_folder(path, |made| layout.build(path, made))?;
-        }
+        let path = &create_store(path, "another store", |path, made| layout.build(path, made))?;
         Self::open(path, layout)
     }
 

@@ -4,21 +4,21 @@ use std::sync::Arc;
 
 use barbule::brdf::FeatherBrdf;
 
-use crate::live::{Curves, Hemisphere, Individual, MaterialFound};
+use super::{Curves, Hemisphere, Individual, MaterialFound};
 
 /// Of what is open, and of what is pinned beside it.
 #[derive(Debug, Clone, Default)]
 pub struct Results {
     /// Of what is open.
-    pub own: Of,
+    pub own: Known,
     /// Of what is pinned.
-    pub pinned: Of,
+    pub pinned: Known,
 }
 
 /// What has been computed of one of them. What is not there yet, or cannot be, is none; what was there before a change stays until the
 /// new is there, so that nothing flickers.
 #[derive(Debug, Clone, Default)]
-pub struct Of {
+pub struct Known {
     /// Reflectance against wavelength at several angles: of films exactly, of everything else the mean over individuals.
     pub curves: Option<Curves>,
     /// Over so many individuals; 1 of what has none.

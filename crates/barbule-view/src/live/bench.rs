@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
+use super::{Job, Update, Worker};
 use crate::Result;
-use crate::live::{Job, Update, Worker};
 
 /// A worker that is asked anew only when what its result depends on has changed.
 pub(super) struct Bench<K> {

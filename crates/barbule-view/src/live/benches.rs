@@ -1,5 +1,4 @@
-//! What is computed beside the window: from what is open, and how it is looked at, to the jobs that are asked for, and from what they
-//! find to [`Results`].
+//! The workers for one thing that is open.
 //!
 //! Films and single individuals are asked for at each change, since they take milliseconds. Means over individuals come better and
 //! better: first at the view's angle alone, then at all. A material is looked for at each change, and made only when somebody asks.
@@ -14,57 +13,36 @@ use barbule::open::Opening;
 use barbule::scattering::directions::omega;
 use barbule::spectrum::Wavelengths;
 
-use super::bench::{Bench, Pace};
-use super::results::{Of, Results};
-use crate::live::{
-    FilmJob, Found, HemisphereJob, IndividualJob, Job, MaterialFound, MaterialJob, MeanJob, ShowJob, Update,
-    Viewer,
+use super::bench::Bench;
+use super::desk::Effort;
+use super::results::Known;
+use super::{
+    FilmJob, Found, HemisphereJob, IndividualJob, Job, MaterialFound, MaterialJob, MeanJob, Update, Viewer,
 };
-use crate::state::{Mode, Seer, Shown, State, Subject, View, What};
+use crate::state::{Seer, Shown, Subject, View, What};
 use crate::{Error, Result};
 
-/// Individuals of a mean.
-const INDIVIDUALS: usize = 50;
 /// Angles of incidence of films, degrees: from, to and step. They cost next to nothing.
 const FILM_DEG: [usize; 3] = [0, 85, 5];
 /// Angles of incidence of means, degrees.
 const MEAN_DEG: [usize; 3] = [0, 75, 15];
-/// Pixels along the diameter of a lobe.
-const LOBE_PIXELS: usize = 128;
-
-/// How much is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Effort {
-    /// Individuals of a mean.
-    pub individuals: usize,
-    /// Pixels along the diameter of a lobe.
-    pub lobe_pixels: usize,
-    /// Whether anything can be drawn.
-    pub draws: bool,
-}
-
-impl Default for Effort {
-    fn default() -> Self {
-        Self { individuals: INDIVIDUALS, lobe_pixels: LOBE_PIXELS, draws: true }
-    }
-}
 
 /// What every result depends on: what it is of, with its sizes.
 #[derive(Debug, Clone, PartialEq)]
-struct Who {
+pub(super) struct Who {
     text: String,
     moved: BTreeMap<String, f64>,
 }
 
 impl Who {
-    fn of(subject: &Subject) -> Self {
+    pub(super) fn of(subject: &Subject) -> Self {
         Self { text: subject.text().to_owned(), moved: subject.moved() }
     }
 }
 
 /// What curves depend on.
 #[derive(Debug, Clone, PartialEq)]
-struct CurvesOf {
+pub(super) struct CurvesOf {
     who: Who,
     angle_deg: f64,
     eye: Seer,
@@ -72,7 +50,7 @@ struct CurvesOf {
 
 /// What an individual depends on.
 #[derive(Debug, Clone, PartialEq)]
-struct IndividualOf {
+pub(super) struct IndividualOf {
     who: Who,
     index: usize,
     angle_deg: f64,
@@ -82,60 +60,21 @@ struct IndividualOf {
 
 /// What a lobe depends on.
 #[derive(Debug, Clone, PartialEq)]
-struct LobeOf {
+pub(super) struct LobeOf {
     hash: String,
     angle_deg: f64,
     individual: Option<u64>,
 }
 
-/// What the picture's shape and coat depend on; light and camera are not among it.
-#[derive(Debug, Clone, PartialEq)]
-struct ShowOf {
-    who: Who,
-    mode: Mode,
-    preset: Option<String>,
-    eye: Seer,
-    hash: Option<String>,
-}
-
-/// What has become known since the last look.
-#[derive(Default)]
-pub(super) struct News {
-    /// What went wrong.
-    pub errors: Vec<Error>,
-    /// Something else to be drawn.
-    pub show: Option<Box<crate::stage::Show>>,
-}
-
-/// What is computed at the moment.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Busy {
-    /// Of what kind of result, as in `material`.
-    pub what: &'static str,
-    /// What is done, in the words of who does it.
-    pub label: String,
-    /// The part that is done, 0 to 1.
-    pub fraction: f64,
-    /// The time that is left, s.
-    pub left_s: Option<f64>,
-}
-
-/// The workers, and what they were asked for.
-pub(super) struct Desk {
-    own: Benches,
-    pinned: Benches,
-    show: Bench<ShowOf>,
-}
-
 /// The workers for one thing.
-struct Benches {
+pub(super) struct Benches {
     who: Option<Who>,
-    curves: Bench<CurvesOf>,
+    pub(super) curves: Bench<CurvesOf>,
     /// Whether the curves are asked for at all angles, rather than first at the view's.
     at_all_angles: bool,
-    individual: Bench<IndividualOf>,
-    material: Bench<Who>,
-    lobe: Bench<LobeOf>,
+    pub(super) individual: Bench<IndividualOf>,
+    pub(super) material: Bench<Who>,
+    pub(super) lobe: Bench<LobeOf>,
     prepared: Option<Prepared>,
     viewer: Option<(Seer, Wavelengths)>,
     wake: Wake,
@@ -147,134 +86,24 @@ struct Prepared {
     made: Receiver<Result<FeatherBrdf>>,
 }
 
-type Wake = Arc<dyn Fn() + Send + Sync>;
+/// Draws the window anew.
+pub(super) type Wake = Arc<dyn Fn() + Send + Sync>;
 
-impl Desk {
-    /// Starts the workers; `wake` draws the window anew.
-    ///
-    /// # Errors
-    /// The system gives no thread.
-    pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Result<Self> {
-        let wake: Wake = Arc::new(wake);
-        Ok(Self { own: Benches::new(&wake)?, pinned: Benches::new(&wake)?, show: bench(&wake)? })
-    }
-
-    /// Asks for whatever has changed, takes what was found, and says what else is new.
-    pub(super) fn follow(&mut self, state: &State, effort: Effort, results: &mut Results) -> News {
-        let mut news = News::default();
-        let (view, opening) = (state.view(), state.opening());
-        let sides = [
-            (&mut self.own, Some(state.subject()), &mut results.own),
-            (&mut self.pinned, state.pinned(), &mut results.pinned),
-        ];
-        for (benches, subject, of) in sides {
-            let order = Order { view, opening, effort };
-            let outcome = benches.ask(subject, &order, of);
-            news.errors.extend(outcome.err());
-            news.errors.extend(benches.take(subject, &order, of));
-        }
-        if effort.draws {
-            news.errors.extend(self.ask_show(state, &results.own).err());
-        }
-        for update in self.show.updates() {
-            match update {
-                Update::Found(Found::Show(show)) => news.show = Some(show),
-                Update::Failed(error) => news.errors.push(error),
-                Update::Found(_) | Update::Done => {}
-            }
-        }
-        news
-    }
-
-    fn ask_show(&mut self, state: &State, of: &Of) -> Result<()> {
-        let (subject, view) = (state.subject(), state.view());
-        // Whether there is a material is known in a moment; until then what was drawn stays.
-        let is_looked_for = self.own.material.is_open() && !self.own.material.has_found();
-        if view.mode == Mode::Scene || is_looked_for {
-            return Ok(());
-        }
-        // Flat layers are drawn as what they are, whatever material was made of them.
-        let material = of.material.as_ref().filter(|_| subject.stack().is_none());
-        let hash = material.map(|found| found.found.hash.clone());
-        let key = ShowOf {
-            who: Who::of(subject),
-            mode: view.mode,
-            preset: view.preset.clone(),
-            eye: view.eye.clone(),
-            hash,
-        };
-        let job = || Ok(Some(Job::Show(Box::new(ShowJob::of(state, material)?))));
-        self.show.want(Some(key), job).map(|_| ())
-    }
-
-    /// Makes the material of what is open.
-    ///
-    /// # Errors
-    /// There is no structure that it could be made of.
-    pub(super) fn make_material(&mut self, state: &State, whole: bool) -> Result<()> {
-        let Some(structure) = state.structure()? else {
-            return Err(Error::input(format!(
-                "of a {} no material is made; open a species, a stack or sections",
-                state.subject().kind()
-            )));
-        };
-        let opening = Opening { may_compute: true, ..state.opening().clone() };
-        self.own.material.ask(Job::Material(Box::new(MaterialJob { structure, opening, whole })));
-        Ok(())
-    }
-
-    /// Stops everything; what was found stays.
-    pub(super) fn stop(&mut self) {
-        self.own.stop();
-        self.pinned.stop();
-        self.show.stop();
-    }
-
-    /// Whether something is computed.
-    #[must_use]
-    pub(super) fn is_busy(&self) -> bool {
-        self.own.is_busy() || self.pinned.is_busy() || self.show.is_open()
-    }
-
-    /// Whether a material of what is open is looked for or made.
-    #[must_use]
-    pub(super) fn is_making_material(&self) -> bool {
-        self.own.material.is_open()
-    }
-
-    /// What takes longest of what is computed; `now` is the window's clock, s.
-    pub(super) fn busy(&mut self, now: f64) -> Option<Busy> {
-        let Self { own, pinned, show, .. } = self;
-        let all: [(&'static str, Option<Pace>); 7] = [
-            ("material", own.material.pace(now)),
-            ("mean", own.curves.pace(now)),
-            ("mean of the pinned one", pinned.curves.pace(now)),
-            ("picture", show.pace(now)),
-            ("individual", own.individual.pace(now)),
-            ("individual of the pinned one", pinned.individual.pace(now)),
-            ("lobe", own.lobe.pace(now)),
-        ];
-        all.into_iter().find_map(|(what, pace)| {
-            let Pace { label, fraction, left } = pace?;
-            Some(Busy { what, label, fraction, left_s: left.map(|left| left.as_secs_f64()) })
-        })
-    }
-}
-
-fn bench<K: PartialEq>(wake: &Wake) -> Result<Bench<K>> {
+/// A bench whose worker draws the window anew.
+pub(super) fn bench<K: PartialEq>(wake: &Wake) -> Result<Bench<K>> {
     let wake = Arc::clone(wake);
     Bench::new(move || wake())
 }
 
 /// How something is looked at, and what may be done for it.
-struct Order<'a> {
-    view: &'a View,
-    opening: &'a Opening,
-    effort: Effort,
+pub(super) struct Order<'a> {
+    pub(super) view: &'a View,
+    pub(super) opening: &'a Opening,
+    pub(super) effort: Effort,
 }
 
 impl Benches {
-    fn new(wake: &Wake) -> Result<Self> {
+    pub(super) fn new(wake: &Wake) -> Result<Self> {
         Ok(Self {
             who: None,
             curves: bench(wake)?,
@@ -288,24 +117,24 @@ impl Benches {
         })
     }
 
-    fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.curves.stop();
         self.individual.stop();
         self.material.stop();
         self.lobe.stop();
     }
 
-    fn is_busy(&self) -> bool {
+    pub(super) fn is_busy(&self) -> bool {
         let Self { curves, individual, material, lobe, prepared, .. } = self;
         prepared.is_some() || curves.is_open() || individual.is_open() || material.is_open() || lobe.is_open()
     }
 
     /// Asks for whatever depends on something that has changed. All are asked for, also where one cannot be.
-    fn ask(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Result<()> {
+    pub(super) fn ask(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Known) -> Result<()> {
         let who = subject.map(Who::of);
         if who.as_ref().map(|who| &who.text) != self.who.as_ref().map(|who| &who.text) {
             // Of something else nothing is left to be shown.
-            *of = Of::default();
+            *of = Known::default();
         }
         self.who.clone_from(&who);
         let material = self.ask_material(subject, order, of);
@@ -325,7 +154,7 @@ impl Benches {
         Ok(at)
     }
 
-    fn ask_curves(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Result<()> {
+    fn ask_curves(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Known) -> Result<()> {
         let View { angle_deg, eye, .. } = order.view;
         let at = self.wavelengths(eye)?;
         let key = self.who.clone().map(|who| CurvesOf { who, angle_deg: *angle_deg, eye: eye.clone() });
@@ -344,7 +173,7 @@ impl Benches {
         Ok(())
     }
 
-    fn ask_individual(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Result<()> {
+    fn ask_individual(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Known) -> Result<()> {
         let View { angle_deg, eye, individual, wavelength_nm, .. } = order.view;
         let at = self.wavelengths(eye)?;
         let key = self.who.clone().map(|who| IndividualOf {
@@ -374,7 +203,7 @@ impl Benches {
     }
 
     /// Looks whether the material is there.
-    fn ask_material(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Result<()> {
+    fn ask_material(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Known) -> Result<()> {
         let own = match subject.map(Subject::what) {
             Some(What::Material(found, _)) if !subject.is_some_and(Subject::is_moved) => Some(found),
             _ => None,
@@ -391,7 +220,7 @@ impl Benches {
         Ok(())
     }
 
-    fn ask_lobe(&mut self, order: &Order, of: &mut Of) -> Result<()> {
+    fn ask_lobe(&mut self, order: &Order, of: &mut Known) -> Result<()> {
         let hash = of.material.as_ref().map(|found| &found.found.hash);
         let Some(hash) = hash else {
             (of.brdf, of.hemisphere, self.prepared) = (None, None, None);
@@ -434,7 +263,7 @@ impl Benches {
     }
 
     /// Takes what was found; what went wrong.
-    fn take(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Vec<Error> {
+    pub(super) fn take(&mut self, subject: Option<&Subject>, order: &Order, of: &mut Known) -> Vec<Error> {
         let mut errors = Vec::new();
         let (curves, individual) = (self.curves.updates(), self.individual.updates());
         let (material, lobe) = (self.material.updates(), self.lobe.updates());
@@ -464,7 +293,13 @@ impl Benches {
         errors
     }
 
-    fn found(&mut self, found: Found, subject: Option<&Subject>, order: &Order, of: &mut Of) -> Result<()> {
+    fn found(
+        &mut self,
+        found: Found,
+        subject: Option<&Subject>,
+        order: &Order,
+        of: &mut Known,
+    ) -> Result<()> {
         match found {
             Found::Film(curves) => {
                 (of.curves, of.individuals, of.is_whole) = (Some(curves), 1, true);
