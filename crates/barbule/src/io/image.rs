@@ -229,6 +229,7 @@ fn decode_png(name: &str, bytes: &[u8], meaning: Meaning) -> Result<RgbImage> {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(sentence)?;
+    check_palette(reader.info()).map_err(|error| error.in_file(Path::new(name)))?;
     let size = [reader.info().width, reader.info().height].map(|side| side as usize);
     check_pixels(name, size, bytes.len())?;
     let length = reader.output_buffer_size().ok_or_else(|| refuse("is too large"))?;
@@ -242,6 +243,17 @@ fn decode_png(name: &str, bytes: &[u8], meaning: Meaning) -> Result<RgbImage> {
         colour.map(|v| table[usize::from(v)])
     });
     Ok(RgbImage { size, pixels: pixels.collect() })
+}
+
+/// Refuses a palette that is no list of at most 256 colours: the library that expands it reads beyond it.
+pub(super) fn check_palette(info: &png::Info<'_>) -> Result<()> {
+    let bytes = info.palette.as_deref().map_or(0, <[u8]>::len);
+    if bytes.is_multiple_of(3) && bytes <= 3 * 256 {
+        return Ok(());
+    }
+    Err(Error::input(format!(
+        "is a damaged PNG: its palette has {bytes} bytes, not three for each of at most 256 colours"
+    )))
 }
 
 /// Refuses a header that claims too much.

@@ -11,6 +11,7 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::image::check_palette;
 use super::read_bytes;
 use crate::error::shortened;
 use crate::trace::{Grey, MOST_PIXELS, check_size};
@@ -77,6 +78,7 @@ fn decode_png(bytes: &[u8]) -> Result<Grey> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(refuse)?;
+    check_palette(reader.info())?;
     let size = [reader.info().width, reader.info().height].map(|side| side as usize);
     check(size, bytes.len())?;
     let length = reader.output_buffer_size().ok_or_else(|| Error::input("is too large"))?;

@@ -161,6 +161,7 @@ mod tests {
             ),
             ("a.csv", "wavelength_nm,a\n400,1\n400.5,1\n", "a band of 400 to 400 nm"),
             ("a.csv", "wavelength_nm,a\n400,1\n500,-1\n", "channel 'a': its value at 451 nm is -0.02"),
+            ("a.csv", "wavelength_nm,a\n400,1e308\n500,1e308\n", "its integral over the wavelengths is inf"),
             ("a.toml", "wavelength_nm = 3", "line 1: wavelength_nm is"),
             ("a.toml", "wavelength_nm = [300, 400]", "channels is missing"),
             (
