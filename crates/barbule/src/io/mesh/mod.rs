@@ -115,9 +115,18 @@ impl Parts {
         if numbers().any(|v| !v.is_finite() || v.abs() > 1e6) {
             return Err(Error::input("has a coordinate that is not finite or over 1000000"));
         }
-        let units: Vec<Vec3> = normals.iter().map(|normal| normal.normalize_or_zero()).collect();
+        let units: Vec<Vec3> = normals.into_iter().map(unit).collect();
         let normals = if units.contains(&Vec3::ZERO) { Vec::new() } else { units };
         Ok(Mesh { positions, normals, uvs, triangles, ..Mesh::default() })
+    }
+}
+
+/// A normal of length 1; zero where it has no direction. In single precision the squares of very short ones lose their digits.
+fn unit(normal: Vec3) -> Vec3 {
+    if (1e-20..1e20).contains(&normal.length_squared()) {
+        normal.normalize()
+    } else {
+        normal.as_dvec3().normalize_or_zero().as_vec3()
     }
 }
 
@@ -131,6 +140,16 @@ mod tests {
                        0 0 0 0 0\n1 0 0 1 0\n1 1 0 1 1\n0 1 0 0 1\n0.5 0.5 1 0.5 0.5\n4 0 1 2 3\n3 0 1 4\n";
     const OBJ: &str = "# a roof\nmtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 1\nvt 0 0\nvt 1 0\nvt 1 1\n\
                        vt 0 1\nvt 0.5 0.5\ng roof\nf 1/1 2/2 3/3 4/4\nf -5/-5 2/2 5/5\n";
+
+    #[test]
+    fn normals_of_any_length_are_made_unit() {
+        for length in [1e-38_f32, 1e-22, 1e-3, 1.0, 1e25, 3e38] {
+            let made = unit(Vec3::new(0.6, 0.0, -0.8) * length);
+            assert!(made.distance(Vec3::new(0.6, 0.0, -0.8)) < 1e-6, "{length}: {made}");
+        }
+        assert_eq!(unit(Vec3::ZERO), Vec3::ZERO);
+        assert_eq!(unit(Vec3::splat(f32::NAN)), Vec3::ZERO);
+    }
 
     fn read(name: &str, bytes: &[u8]) -> Result<Mesh> {
         let folder = tempfile::tempdir().unwrap();
