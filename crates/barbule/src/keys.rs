@@ -89,8 +89,8 @@ pub fn json_of(keys: &[Key]) -> Value {
 pub fn page() -> String {
     let mut page = String::from(
         "# All keys\n\nEvery key of [scenes](scene.md), [species](species.md) and [plans of atlases](atlas.md), which are explained on pages of their own. \
-         `barbule keys scene camera` lists one table, `barbule keys scene --schema` prints a JSON schema for editors, and `barbule keys --markdown` this page, \
-         from the definitions that the readers use.\n\n\
+         `barbule keys scene camera` lists one table; the command also prints a JSON schema for editors, and this page, from the definitions that the readers \
+         use.\n\n\
          What is *needed* may come from a scene's preset or a feather's type. Where *unless given* has a dash, nothing stands in for the key.\n",
     );
     for kind in kinds() {

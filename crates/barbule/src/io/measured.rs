@@ -223,7 +223,7 @@ impl Found {
                 self.rows.iter().zip(values).find(|(_, value)| value.abs() > LARGEST_VALUE)
             {
                 let error = Error::input(format!(
-                    "'{}' has the value {value:e}, beyond {LARGEST_VALUE:e}",
+                    "'{}' has the value {value:e}, which is no reflectance; the file may be damaged",
                     shortened(name)
                 ));
                 return Err(error.in_line(row.0));
