@@ -98,9 +98,11 @@ impl Synthesis {
         let draw = noise.draw(instance);
         (0..self.places[0].len()).map(move |k| {
             let facet = self.facets[k];
-            [0, 1].map(|p| {
-                // Polarizations whose patterns stretch differently read the noise at different places.
-                let [qr, qi] = noise.at_both(&draw, &self.places[p][k], self.gamma)[p];
+            let [first, second] = [0, 1].map(|p| &self.places[p][k]);
+            let both = noise.at_both(&draw, first, self.gamma);
+            // Polarizations whose patterns stretch differently read the noise at different places.
+            let other = if second == first { both[1] } else { noise.at_both(&draw, second, self.gamma)[1] };
+            [(0, both[0]), (1, other)].map(|(p, [qr, qi])| {
                 let (mean, steady) = (self.sides[p].mean[k], self.sides[p].steady[k]);
                 let spread = (0.5 * (mean - steady)).max(0.0).sqrt();
                 let root = draw.factor(self.sides[p].sloped[k], facet).sqrt();

@@ -106,7 +106,7 @@ fn a_status_foretells_then_counts() {
 fn a_part_that_runs_is_seen_and_one_that_was_killed_is_named() {
     let folder = with_plan();
     let at = folder.path();
-    let slow = PLAN.replace("individuals = 3", "individuals = 200");
+    let slow = PLAN.replace("individuals = 3", "individuals = 60");
     std::fs::write(at.join("plan.toml"), slow).unwrap();
     let read = |more: &[&str]| -> Value {
         let words = [&["plan.toml", "-o", "s.zarr", "--status", "--json"], more].concat();

@@ -543,6 +543,9 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("d.png")).unwrap();
     std::fs::write(folder.path().join("bad.toml"), "preset = \"starling\"\nexposre = 1\n").unwrap();
+    let film = "preset = \"starling\"\n[surfaces.film]\ntype = \"film\"\nstack = \"air/keratin:400/melanin\"\n\
+                [[objects]]\nsphere_mm = 1\nsurface = \"film\"\n";
+    std::fs::write(folder.path().join("film.toml"), film).unwrap();
     std::fs::write(folder.path().join("bad.barbule"), "no material").unwrap();
     std::fs::write(folder.path().join("uv.csv"), "wavelength_nm,a\n300,1\n400,1\n").unwrap();
     std::fs::write(folder.path().join("bad.csv"), "wavelength_nm,a\n300,x\n").unwrap();
@@ -586,7 +589,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.exr", "--sensor", "bad.csv"], "--sensor: bad.csv: line 2: a is 'x'"),
         (&["starling", "-o", "x.exr", "--sensor", "uv.csv", "--spectral", "550"], "rendered, 300 to 400"),
         (
-            &["diffraction-bench", "-o", "x.exr", "--size", "640x400", "--sensor", "uv.csv"],
+            &["film.toml", "-o", "x.exr", "--material", MADE_UP, "--sensor", "uv.csv"],
             "gratings and films are known from 380 to 720 nm",
         ),
         (&["starling", "-o", "x.png", "--preview=soon"], "--preview soon: give a time"),

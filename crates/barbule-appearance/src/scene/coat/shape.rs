@@ -84,9 +84,13 @@ impl Shape {
             let across = along.cross(to_r);
             let volume = across.dot(to_q);
             let off = from - p;
-            let (u, turned) = (off.dot(across) / volume, off.cross(to_q));
+            let u = off.dot(across) / volume;
+            if !(0.0..=1.0).contains(&u) {
+                return false;
+            }
+            let turned = off.cross(to_q);
             let (v, t) = (along.dot(turned) / volume, to_r.dot(turned) / volume);
-            u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < length
+            v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < length
         })
     }
 }

@@ -28,13 +28,12 @@ fn regions_are_the_layers_of_the_section() {
             let inside = 0.5 * section.width_um - 0.7;
             let (mut same, mut all) = (0, 0);
             for [x, z] in grid(&section).filter(|[x, _]| x.abs() < inside) {
-                let (a, b) = (closed.fast.medium_at(x, z), closed.regions.medium_at(x, z));
                 // Air around is not counted.
                 if z < section.top().height(x)
                     && z > section.boundaries[section.boundaries.len() - 1].height(x)
                 {
                     all += 1;
-                    same += usize::from(a == b);
+                    same += usize::from(closed.fast.medium_at(x, z) == closed.regions.medium_at(x, z));
                 }
             }
             assert!(same * 1000 >= all * 995, "{name} {instance}: {same} of {all} points are the same");
