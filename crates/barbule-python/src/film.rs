@@ -2,6 +2,7 @@
 
 use barbule::film::gradient::{Gradient, gradients};
 use barbule::film::{FilmTables, sweep};
+use barbule::progress::Progress as _;
 use barbule::{Complex64, Error, Result, Stack, Wavelengths};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
@@ -26,7 +27,10 @@ pub(crate) fn film<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (stack, at, angles) = inputs(stack, &wavelengths_nm, &angles_deg, media).or_raise(py)?;
-    let found = How::new(threads, progress).run(py, |progress| sweep(&stack, &at, &angles, progress))?;
+    let found = How::new(threads, progress).run(py, |progress| {
+        stack.doubt().iter().for_each(|doubt| progress.doubt(doubt));
+        sweep(&stack, &at, &angles, progress)
+    })?;
     let all = PyDict::new(py);
     let shape = [angles.len(), at.len()];
     let layered = [stack.layers(), angles.len(), at.len()];

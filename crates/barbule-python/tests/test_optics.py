@@ -89,6 +89,11 @@ def test_far_fields_carry_what_is_reflected():
     assert total[0].mean() == pytest.approx(float(film["R_s"][0, 0]), rel=2e-2)
 
 
+def test_thicknesses_that_look_like_micrometres_are_doubted():
+    with pytest.warns(barbule.DoubtWarning, match="did you mean 300"):
+        barbule.film("air/keratin:0.3/air", [550.0])
+
+
 def test_full_waves_see_what_the_fast_simulation_sees():
     thin = barbule.open("1/1.55:300/1").instance(0)
     light = dict(phi_deg=[0.0], window="beam", azimuths=720)

@@ -543,7 +543,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("d.png")).unwrap();
     std::fs::write(folder.path().join("bad.toml"), "preset = \"starling\"\nexposre = 1\n").unwrap();
-    let film = "preset = \"starling\"\n[surfaces.film]\ntype = \"film\"\nstack = \"air/keratin:400/melanin\"\n\
+    let film = "preset = \"starling\"\n[surfaces.film]\ntype = \"film\"\nstack = \"air/keratin:400/melanin\"\nroughness = 0.2\n\
                 [[objects]]\nsphere_mm = 1\nsurface = \"film\"\n";
     std::fs::write(folder.path().join("film.toml"), film).unwrap();
     std::fs::write(folder.path().join("bad.barbule"), "no material").unwrap();

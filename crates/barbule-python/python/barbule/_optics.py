@@ -69,6 +69,9 @@ def film(
     Raises:
         InputError: Not the stack language, an unknown medium, an angle at or past grazing.
 
+    Warns:
+        DoubtWarning: A layer is thinner than 1 nm, as if micrometres were meant.
+
     Example:
         >>> import barbule
         >>> film = barbule.film("air/keratin:595/air", [450, 550, 650], [0, 45])
