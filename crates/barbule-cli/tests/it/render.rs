@@ -543,7 +543,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("d.png")).unwrap();
     std::fs::write(folder.path().join("bad.toml"), "preset = \"starling\"\nexposre = 1\n").unwrap();
-    let film = "preset = \"starling\"\n[surfaces.film]\ntype = \"film\"\nstack = \"air/keratin:400/melanin\"\nroughness = 0.2\n\
+    let film = "preset = \"starling\"\nshows_feather = false\n[surfaces.film]\ntype = \"film\"\nstack = \"air/keratin:400/melanin\"\nroughness = 0.2\n\
                 [[objects]]\nsphere_mm = 1\nsurface = \"film\"\n";
     std::fs::write(folder.path().join("film.toml"), film).unwrap();
     std::fs::write(folder.path().join("bad.barbule"), "no material").unwrap();
@@ -589,7 +589,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.exr", "--sensor", "bad.csv"], "--sensor: bad.csv: line 2: a is 'x'"),
         (&["starling", "-o", "x.exr", "--sensor", "uv.csv", "--spectral", "550"], "rendered, 300 to 400"),
         (
-            &["film.toml", "-o", "x.exr", "--material", MADE_UP, "--sensor", "uv.csv"],
+            &["film.toml", "-o", "x.exr", "--sensor", "uv.csv"],
             "gratings and films are known from 380 to 720 nm",
         ),
         (&["starling", "-o", "x.png", "--preview=soon"], "--preview soon: give a time"),
