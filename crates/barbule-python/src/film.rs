@@ -2,7 +2,6 @@
 
 use barbule::film::gradient::{Gradient, gradients};
 use barbule::film::{FilmTables, sweep};
-use barbule::progress::Progress as _;
 use barbule::{Complex64, Error, Result, Stack, Wavelengths};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
