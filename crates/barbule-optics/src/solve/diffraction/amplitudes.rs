@@ -187,7 +187,8 @@ impl Amplitudes {
         let turns =
             |axis: usize, place: usize| (place as f64 - most[axis] as f64) * place_um[axis] / period_um[axis];
         for (index, series) in self.values.chunks_exact_mut(self.terms).enumerate() {
-            let turn = cis(TAU * (turns(0, index % columns) + turns(1, index / columns)));
+            // p = Σ c_j e^{−2πi j·x/T}: seen from the place, an order has this much of its phase already.
+            let turn = cis(-TAU * (turns(0, index % columns) + turns(1, index / columns)));
             for value in series {
                 let turned = turn * Complex64::new(value[0], value[1]);
                 *value = [turned.re, turned.im];

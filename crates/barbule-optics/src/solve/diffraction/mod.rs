@@ -195,7 +195,8 @@ fn squared_amplitude(
         Place::Anywhere => terms.map(|((a, b), c)| (a.1 * b.1 * scale).powi(2) * c.norm_sqr()).sum::<f64>(),
         Place::At([x, y]) => {
             let [width, height] = field.size_um();
-            let shift = |j: i64, at: f64, side: f64| std::f64::consts::TAU * j as f64 * at / side;
+            // p = Σ c_j e^{−2πi j·x/T}: seen from the place, an order has this much of its phase already.
+            let shift = |j: i64, at: f64, side: f64| -std::f64::consts::TAU * j as f64 * at / side;
             terms
                 .map(|((a, b), c)| c * a.1 * b.1 * scale * cis(shift(b.0, x, width) + shift(a.0, y, height)))
                 .sum::<Complex64>()

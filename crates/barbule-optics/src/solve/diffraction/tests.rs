@@ -214,6 +214,38 @@ fn the_mean_over_places_is_the_incoherent_sum() {
     assert!(places.iter().fold(0.0, |a: f64, b| a.max(*b)) > 1.5 * mean);
 }
 
+/// A patch that is flat on one side, with ridges on the other or a quarter of the way along: a window sees what it stands on, and its
+/// series sees the same.
+#[test]
+fn a_window_sees_the_part_of_the_patch_that_it_stands_on() {
+    let cells = 400;
+    let ridges = |at: usize| 0.1 * (std::f64::consts::TAU * at as f64 * 0.1 / 2.0).cos();
+    let (w_i, nm) = (direction(0.0, 0.0), 500.0);
+    let at = Wavelengths::new([nm]).unwrap();
+    for axis in [0, 1] {
+        // Ridges from 20 to 40 of 40 µm, across `axis`.
+        let height = |k: usize| if k < cells / 2 { 0.0 } else { ridges(k) };
+        let (counts, size) = if axis == 0 { ([cells, 4], [40.0, 4.0]) } else { ([4, cells], [4.0, 40.0]) };
+        let heights = (0..4 * cells).map(|k| height(if axis == 0 { k % cells } else { k / 4 })).collect();
+        let field = Heightfield::new(counts, size, heights).unwrap();
+        let first = direction(f64::asin(0.25).to_degrees(), 90.0 * axis as f64);
+        let of = |place_um: f64, w_o: DVec3| {
+            let mut place = [2.0; 2];
+            place[axis] = place_um;
+            let coherence = Coherence::Fixed(1.5);
+            let setup = Setup { place: Place::At(place), coherence, ..Setup::default() };
+            let fast =
+                Amplitudes::new(&field, &setup, Reach::of(&setup, &at), Series::Chebyshev, &Unobserved)
+                    .unwrap();
+            let (plain, series) = (f(&field, &setup, nm, w_i, w_o), fast.value(&setup, nm * 1e-3, w_i, w_o));
+            assert!((plain - series).abs() < 1e-8, "{axis} {place_um}: {plain} {series}");
+            plain
+        };
+        let [flat, rough] = [10.0, 30.0].map(|place| [w_i, first].map(|w_o| of(place, w_o)));
+        assert!(flat[1] < 1e-6 * flat[0] && rough[1] > 0.2 * flat[0], "{axis}: {flat:?} {rough:?}");
+    }
+}
+
 /// A small patch of a snake and windows that see several orders of it.
 fn small_snake() -> (Heightfield, Setup) {
     let field =
