@@ -143,21 +143,29 @@ fn mixed(a: Complex64, b: Complex64, fraction: f64, rule: Rule) -> Complex64 {
             absorbing_root(eps_a * above / below)
         }
         Rule::Bruggeman => {
-            // (1−f)(ε_a−ε)/(ε_a+2ε) + f(ε_b−ε)/(ε_b+2ε) = 0 is 2ε² − pε − ε_a ε_b = 0 with this p.
-            let p = eps_a * (2.0 - 3.0 * f) + eps_b * (3.0 * f - 1.0);
-            let root = (p * p + eps_a * eps_b * 8.0).sqrt();
-            // Of the two solutions the physical one absorbs, or is positive where neither does.
-            let (plus, minus) = ((p + root) / 4.0, (p - root) / 4.0);
+            let [plus, minus] = bruggeman_roots(eps_a, eps_b, f);
             let tiny = 1e-14 * (plus.norm() + minus.norm());
             let physical = match (plus.im >= -tiny, minus.im >= -tiny) {
                 (true, false) => plus,
                 (false, true) => minus,
-                _ if plus.re >= minus.re => plus,
-                _ => minus,
+                _ => {
+                    // Where neither absorbs it is the one that would if the media did a little.
+                    let lossy = |eps: Complex64| eps + Complex64::I * (1e-6 * eps.norm());
+                    let [with, without] = bruggeman_roots(lossy(eps_a), lossy(eps_b), f);
+                    if with.im >= without.im { plus } else { minus }
+                }
             };
             absorbing_root(physical)
         }
     }
+}
+
+/// The solutions ε of (1−f)(ε_a−ε)/(ε_a+2ε) + f(ε_b−ε)/(ε_b+2ε) = 0; the physical one absorbs.
+fn bruggeman_roots(eps_a: Complex64, eps_b: Complex64, f: f64) -> [Complex64; 2] {
+    // It is 2ε² − pε − ε_a ε_b = 0 with this p.
+    let p = eps_a * (2.0 - 3.0 * f) + eps_b * (3.0 * f - 1.0);
+    let root = (p * p + eps_a * eps_b * 8.0).sqrt();
+    [(p + root) / 4.0, (p - root) / 4.0]
 }
 
 /// The square root with Re ≥ 0 and Im ≥ 0 of a permittivity whose Im may be below zero by rounding.
@@ -207,6 +215,20 @@ mod tests {
             assert!(index.im >= 0.0);
             assert!((index - mixed(b, a, 1.0 - fraction, Rule::Bruggeman)).norm() < 1e-12);
         }
+    }
+
+    /// A metal without loss: both solutions are positive where there is little of it, and the mixture is that of a metal with a little.
+    #[test]
+    fn bruggeman_of_a_lossless_metal_is_the_limit_of_small_losses() {
+        let (air, metal) = (Complex64::ONE, Complex64::new(0.0, 10_f64.sqrt()));
+        let with_loss = Complex64::new(1e-7, 10_f64.sqrt());
+        for fraction in [1e-6, 0.01, 0.05, 0.2, 0.5, 0.95, 1.0 - 1e-6] {
+            let index = mixed(air, metal, fraction, Rule::Bruggeman);
+            let limit = mixed(air, with_loss, fraction, Rule::Bruggeman);
+            assert!((index - limit).norm() < 1e-5, "{fraction}: {index} {limit}");
+            assert!((index - mixed(metal, air, 1.0 - fraction, Rule::Bruggeman)).norm() < 1e-9, "{fraction}");
+        }
+        assert!((mixed(air, metal, 1e-6, Rule::Bruggeman) - 1.0).norm() < 1e-5);
     }
 
     #[test]
