@@ -18,6 +18,11 @@ use crate::error::shortened;
 use crate::math::quadrature::gauss_legendre;
 use crate::{Error, Result};
 
+/// Nodes for each fringe: π for the fringe itself where it is closest, and as many again for the overtones of bright layers.
+const FRINGE: f64 = 12.0;
+/// Nodes of one Gauss rule, at most; more are rules side by side.
+const MOST_TOGETHER: usize = 96;
+
 /// Half angles below this, rad (0.005°), are no instrument's.
 const NARROWEST: f64 = 1e-4;
 
@@ -162,9 +167,11 @@ impl Instrument {
     /// reflectance, beside a perfect white diffuser in its place.
     ///
     /// There are no terms where nothing of the light that the stack mirrors is collected, as for arms that are not in mirror
-    /// position. The rule is good to 1e-9 of Σ weight for reflectances that vary smoothly over the apertures.
+    /// position. `waves` is the thickness of all layers over the shortest wavelength: light that crosses them and comes back makes
+    /// fringes over the angles, as many as 2 · `waves` times what cosθ falls by, and the rule follows them and what sharper ones
+    /// mirrors make of them ([`FRINGE`]). It is good to 1e-9 of Σ weight.
     #[must_use]
-    pub fn planar(&self, turned: f64) -> Vec<Incidence> {
+    pub fn planar(&self, turned: f64, waves: f64) -> Vec<Incidence> {
         let [lit, seen] = self.apertures(turned);
         if matches!(self, Self::Sphere) {
             return vec![Incidence { angle: turned.abs(), weight: 1.0 }];
@@ -172,7 +179,7 @@ impl Instrument {
         // Light from (x, y) leaves towards (−x, −y).
         let mirrored = Aperture { angle: -seen.angle, ..seen };
         let scale = PI / (lit.projected_area() * seen.projected_area());
-        let both = shared(&[lit, mirrored]);
+        let both = shared(&[lit, mirrored], waves);
         both.into_iter()
             .map(|Incidence { angle, weight }| Incidence { angle, weight: scale * weight })
             .collect()
@@ -219,15 +226,15 @@ impl Aperture {
         if self.angle.abs() + self.half <= FRAC_PI_2 {
             return PI * libm::sin(self.half).powi(2) * libm::cos(self.angle);
         }
-        shared(&[*self]).iter().map(|node| node.weight).sum()
+        shared(&[*self], 0.0).iter().map(|node| node.weight).sum()
     }
 }
 
 /// Polar angles and weights ∫ cosθ dω of what is inside all of one or two apertures and above the horizon.
 ///
 /// The azimuths inside are known in closed form at each polar angle; they have kinks and square roots where circles touch or
-/// cross, which the substitution θ = mid − h cos u between such angles makes smooth.
-fn shared(apertures: &[Aperture]) -> Vec<Incidence> {
+/// cross, which the substitution θ = mid − h cos u between such angles makes smooth. `waves` as in [`Instrument::planar`].
+fn shared(apertures: &[Aperture], waves: f64) -> Vec<Incidence> {
     let mut ends = vec![0.0, FRAC_PI_2];
     for one in apertures {
         let angle = one.angle.abs();
@@ -245,13 +252,21 @@ fn shared(apertures: &[Aperture]) -> Vec<Incidence> {
         if reach < 1e-12 || azimuths(apertures, mid) == 0.0 {
             continue;
         }
-        for (at, weight) in gauss_legendre(10 + (40.0 * reach).ceil() as usize) {
-            let (sin_u, cos_u) = libm::sincos(PI * at);
-            let polar = mid - reach * cos_u;
-            let (sin, cos) = libm::sincos(polar);
-            let weight = weight * PI * reach * sin_u * sin * cos * azimuths(apertures, polar);
-            if weight > 0.0 {
-                nodes.push(Incidence { angle: polar, weight });
+        // cosθ falls by 2 sin(mid) sin(reach).
+        let fringes = 4.0 * waves * libm::sin(mid) * libm::sin(reach);
+        let count = 10 + (40.0 * reach + FRINGE * fringes).ceil() as usize;
+        let parts = count.div_ceil(MOST_TOGETHER);
+        let rule = gauss_legendre(count.div_ceil(parts));
+        for part in 0..parts {
+            for &(at, weight) in &rule {
+                let (sin_u, cos_u) = libm::sincos(PI * (part as f64 + at) / parts as f64);
+                let polar = mid - reach * cos_u;
+                let (sin, cos) = libm::sincos(polar);
+                let weight =
+                    weight / parts as f64 * PI * reach * sin_u * sin * cos * azimuths(apertures, polar);
+                if weight > 0.0 {
+                    nodes.push(Incidence { angle: polar, weight });
+                }
             }
         }
     }
@@ -314,7 +329,7 @@ mod tests {
     }
 
     fn reading(instrument: &str, turned_deg: f64, reflectance: impl Fn(f64) -> f64) -> f64 {
-        let nodes = parsed(instrument).planar(f64::to_radians(turned_deg));
+        let nodes = parsed(instrument).planar(f64::to_radians(turned_deg), 0.0);
         nodes.iter().map(|node| node.weight * reflectance(node.angle)).sum()
     }
 
@@ -373,15 +388,34 @@ mod tests {
         assert_eq!(reading("sphere", 40.0, |angle| angle.to_degrees().round()), 40.0);
     }
 
+    /// ½ (1 + cos 4π D cosθ) over a probe's cone is known: with s = cosθ, ∫ s cos(as) ds.
+    #[test]
+    fn fringes_of_thick_stacks_are_followed() {
+        for (text, waves) in
+            [("probe:20", 100.0), ("microscope:0.9", 20.0), ("microscope:0.9", 2000.0), ("probe:90", 50.0)]
+        {
+            let instrument = parsed(text);
+            let a = 4.0 * PI * waves;
+            let nodes = instrument.planar(0.0, waves);
+            let found: f64 =
+                nodes.iter().map(|n| n.weight * 0.5 * (1.0 + libm::cos(a * libm::cos(n.angle)))).sum();
+            let low = libm::cos(instrument.apertures(0.0)[0].half);
+            let integral = |s: f64| 0.5 * s * s + (s * libm::sin(a * s) + libm::cos(a * s) / a) / a;
+            let squared = 1.0 - low * low;
+            let expected = (integral(1.0) - integral(low)) / squared / squared;
+            assert!((found / expected - 1.0).abs() < 1e-9, "{text} {waves}: {found} {expected}");
+        }
+    }
+
     #[test]
     fn narrow_arms_see_one_angle_and_arms_out_of_mirror_position_none() {
-        let nodes = parsed("arms:20,40,0.05").planar(f64::to_radians(10.0));
+        let nodes = parsed("arms:20,40,0.05").planar(f64::to_radians(10.0), 0.0);
         let sum: f64 = nodes.iter().map(|node| node.weight).sum();
         let mean = nodes.iter().map(|node| node.weight * node.angle.to_degrees()).sum::<f64>() / sum;
         assert!((mean - 30.0).abs() < 1e-4, "{mean}");
-        assert!(parsed("arms:20,40,0.05").planar(0.0).is_empty());
-        assert!(parsed("arms:30,-30,10").planar(0.0).is_empty());
-        assert!(parsed("probe:5").planar(0.1).is_empty());
+        assert!(parsed("arms:20,40,0.05").planar(0.0, 0.0).is_empty());
+        assert!(parsed("arms:30,-30,10").planar(0.0, 0.0).is_empty());
+        assert!(parsed("probe:5").planar(0.1, 0.0).is_empty());
     }
 
     #[test]

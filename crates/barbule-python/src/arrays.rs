@@ -1,5 +1,6 @@
 //! Arrays in and out.
 
+use barbule::characterize::outside_wavelengths;
 use barbule::{Error, Result, Wavelengths};
 use num_complex::Complex64;
 use numpy::ndarray::{ArrayD, IxDyn};
@@ -27,9 +28,22 @@ pub(crate) fn shaped<'py, T: Element>(
     Ok(array.or_raise(py)?.into_pyarray(py))
 }
 
-/// Wavelengths that a function was given.
+/// Wavelengths at which something is simulated: those of the command line.
 pub(crate) fn wavelengths(given: &Floats<'_>) -> Result<Wavelengths> {
+    let found = sampled(given)?;
+    check_simulated(found.nm())?;
+    Ok(found)
+}
+
+/// Wavelengths of data, wherever they lie.
+pub(crate) fn sampled(given: &Floats<'_>) -> Result<Wavelengths> {
     Wavelengths::new(flat(given)).map_err(|error| error.at("'wavelengths_nm'"))
+}
+
+/// Refuses wavelengths, nm, at which nothing can be simulated.
+pub(crate) fn check_simulated(nm: &[f64]) -> Result<()> {
+    let outside = nm.iter().find_map(|nm| outside_wavelengths(*nm));
+    outside.map_or(Ok(()), |outside| Err(Error::input(format!("'wavelengths_nm': {outside}"))))
 }
 
 /// Angles given in degrees, in radians.

@@ -3,14 +3,15 @@
 use std::path::PathBuf;
 
 use barbule::campaign::spectrum::Collect;
+use barbule::characterize::WAVELENGTHS_NM;
 use barbule::instrument::Instrument;
-use barbule::inverse::{Level, Open, Reading, Settings, Simulation};
+use barbule::inverse::{Level, Lighting, Open, Reading, Settings, Simulation};
 use barbule::io::measured::read_measurements;
 use barbule::spectrum::Spectrum;
 use barbule::{Error, Result, Wavelengths, open};
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats, check_count, flat, wavelengths};
+use crate::arrays::{Floats, check_count, flat, sampled};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::work::How;
@@ -53,14 +54,16 @@ pub(crate) fn fit_structure(
     let simulation = Simulation { instances, seed, collect: Collect::Hemisphere };
     let target = open::target(model, stack, free, simulation, &opening).or_raise(py)?;
     target.check_instrument(instrument.as_ref()).or_raise(py)?;
+    let thickest_nm = target.thickest_nm().or_raise(py)?;
+    let lighting = Lighting { instrument: instrument.as_ref(), along, thickest_nm };
     let readings = if files.is_empty() {
-        let at = wavelengths(&wavelengths_nm).or_raise(py)?;
+        let at = sampled(&wavelengths_nm).or_raise(py)?;
         let (values, angles) = (flat(&reflectance), flat(&angles_deg));
-        given(&at, &values, &angles, instrument.as_ref(), along, range_nm)
+        given(&at, &values, &angles, lighting, range_nm)
     } else {
         let files: Vec<String> = files.iter().map(|file| file.to_string_lossy().into_owned()).collect();
         read_measurements(&files, column, None)
-            .and_then(|measured| Reading::of(&measured, instrument.as_ref(), along, range_nm))
+            .and_then(|measured| Reading::of(&measured, lighting, range_nm))
     };
     let readings = readings.or_raise(py)?;
     let settings = Settings { level: if fixed { Level::Fixed } else { Level::Free }, offset, solutions };
@@ -71,13 +74,12 @@ pub(crate) fn fit_structure(
     })
 }
 
-/// Readings from arrays `[angle, sample, wavelength]`.
+/// Readings from arrays `[angle, sample, wavelength]`, of which as of files only wavelengths that can be simulated are kept.
 fn given(
     at: &Wavelengths,
     values: &[f64],
     angles: &[f64],
-    instrument: Option<&Instrument>,
-    along: bool,
+    lighting: Lighting<'_>,
     range_nm: Option<[f64; 2]>,
 ) -> Result<Vec<Reading>> {
     let per_angle = values.len() / angles.len().max(1);
@@ -92,17 +94,27 @@ fn given(
     if let Some(bad) = angles.iter().find(|angle| angle.is_nan() || angle.abs() >= 90.0) {
         return Err(Error::input(format!("'angles_deg' holds {bad}; give degrees between -90 and 90")));
     }
+    let all = at.nm();
+    let kept: Vec<usize> = (0..all.len()).filter(|&i| WAVELENGTHS_NM.contains(&all[i])).collect();
+    if kept.len() < 2 {
+        let ((first, last), low, high) = (at.range_nm(), WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+        return Err(Error::input(format!(
+            "'wavelengths_nm': fewer than two of its wavelengths, {first} to {last} nm, lie within {low} to {high} nm; give them in nm"
+        )));
+    }
+    let at = Wavelengths::new(kept.iter().map(|&i| all[i]).collect::<Vec<f64>>())?;
     let one = |(angle, values): (&f64, &[f64])| {
-        let rows: Vec<&[f64]> = values.chunks_exact(at.len()).collect();
+        let whole = values.chunks_exact(all.len());
+        let rows: Vec<Vec<f64>> = whole.map(|row| kept.iter().map(|&i| row[i]).collect()).collect();
         let count = rows.len() as f64;
         let mean = (0..at.len()).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / count).collect();
         let samples = rows
             .iter()
-            .map(|row| Spectrum::new(at.clone(), row.to_vec()))
+            .map(|row| Spectrum::new(at.clone(), row.clone()))
             .collect::<Result<Vec<_>>>()
             .map_err(|error| error.at("'reflectance'"))?;
         let mean = Spectrum::new(at.clone(), mean)?;
-        Reading::at(*angle, &mean, &samples, instrument, along, range_nm)
+        Reading::at(*angle, &mean, &samples, lighting, range_nm)
     };
     angles.iter().zip(values.chunks_exact(per_angle)).map(one).collect()
 }

@@ -111,7 +111,7 @@ fn one(case: &Case, stream: &mut Stream) -> Result<(Vec<f64>, Vec<Solution>)> {
     let beams: Vec<Beam> = match case.instrument {
         None => vec![Beam { direction: (0.0, 0.0), weight: 1.0 }],
         Some(text) => {
-            let light = Instrument::parse(text)?.planar(0.0);
+            let light = Instrument::parse(text)?.planar(0.0, 0.0);
             light.iter().map(|l| Beam { direction: (0.0, l.angle), weight: l.weight }).collect()
         }
     };

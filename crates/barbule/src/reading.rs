@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, reflected_fractions};
-use crate::campaign::spectrum::{Mount, Tilted, Vane};
+use crate::campaign::spectrum::{Lobes, Mount, Tilted, Vane};
 use crate::instrument::Instrument;
 use crate::progress::{OnlyStops, Progress};
 use crate::scattering::directions::omega;
@@ -16,6 +16,9 @@ use crate::{DVec3, Error, Result};
 /// Distances of nodes in the middle of an aperture, rad, and their number at most: incident longitudes and azimuths, outgoing
 /// longitudes and azimuths. A lobe along the barbule is 0.06 wide (σ√2), one across it 0.04 and more.
 const STEPS: [(f64, usize); 4] = [(0.06, 36), (0.025, 48), (0.025, 96), (0.012, 128)];
+
+/// Standard deviation of lobes across barbules, rad, at least.
+const LOBE_ACROSS: f64 = 0.025;
 
 /// Readings of the smooth mean of a material, `[mount][wavelength]`, beside a perfect white diffuser; of unpolarized light, or of one
 /// incident polarization of a material that has them.
@@ -55,7 +58,7 @@ fn of_sphere(brdf: &FeatherBrdf, nm: &[f64], mount: &Mount, progress: &dyn Progr
     if mount.vane.is_some() {
         return of_apertures(brdf, nm, mount, progress);
     }
-    for Tilted { lit, weight, .. } in mount.tilted() {
+    for Tilted { lit, weight, .. } in mount.tilted(lobes(brdf)) {
         let (theta, phi) = lit.direction();
         let wi = omega(theta, phi);
         if wi.z > 0.0 {
@@ -69,7 +72,7 @@ fn of_sphere(brdf: &FeatherBrdf, nm: &[f64], mount: &Mount, progress: &dyn Progr
 fn of_apertures(brdf: &FeatherBrdf, nm: &[f64], mount: &Mount, progress: &dyn Progress) -> Result<Vec<f64>> {
     let scale = mount.scale();
     let mut sums = vec![0.0; nm.len()];
-    for tilted in mount.tilted() {
+    for tilted in mount.tilted(lobes(brdf)) {
         let [mut lit, seen] = [(tilted.lit, 0), (tilted.seen, 2)].map(|(beam, kind)| {
             nodes(beam.theta_range(), &|theta| beam.azimuths(theta), [STEPS[kind], STEPS[kind + 1]])
         });
@@ -96,6 +99,12 @@ fn of_apertures(brdf: &FeatherBrdf, nm: &[f64], mount: &Mount, progress: &dyn Pr
         }
     }
     Ok(sums)
+}
+
+/// The material's narrowest lobes, for [`Mount::tilted`].
+fn lobes(brdf: &FeatherBrdf) -> Lobes {
+    let widest = brdf.halo_sigmas().iter().fold(brdf.sigma(), |widest, sigma| widest.max(*sigma));
+    Lobes { along: [brdf.sigma(), widest], across: LOBE_ACROSS }
 }
 
 /// ∫ f cosθ_o dω_o over the nodes, for each wavelength.
@@ -164,7 +173,7 @@ mod tests {
                     tilt: [0.0; 2],
                     vane: None,
                 };
-                let one = mount.tilted()[0];
+                let one = mount.tilted(Lobes { along: [0.0; 2], across: LOBE_ACROSS })[0];
                 let area = |beam: crate::campaign::spectrum::Beam, kind| {
                     let all = nodes(
                         beam.theta_range(),

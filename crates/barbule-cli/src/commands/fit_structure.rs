@@ -7,7 +7,7 @@ use barbule::campaign::spectrum::Collect;
 use barbule::error::{counted, shortened};
 use barbule::figures;
 use barbule::instrument::Instrument;
-use barbule::inverse::{Level, Open, Outcome, Reading, Settings, Simulation, in_words};
+use barbule::inverse::{Level, Lighting, Open, Outcome, Reading, Settings, Simulation, Target, in_words};
 use barbule::io::measured::{Measurements, read_measurements};
 use barbule::io::{check_writable, write_whole};
 use barbule::{Error, Result, open};
@@ -55,9 +55,9 @@ pub(crate) struct Args {
     /// from one direction, all that is reflected]
     #[arg(long, value_name = "INSTRUMENT", value_parser = Instrument::parse)]
     instrument: Option<Instrument>,
-    /// The plane in which angles lie: across the barbule or along it
-    #[arg(long, value_enum, default_value_t = Plane::Across)]
-    plane: Plane,
+    /// The plane in which angles lie: across the barbule or along it [default: across]
+    #[arg(long, value_enum)]
+    plane: Option<Plane>,
     /// The wavelengths that are fitted, as in 320:680 [default: all that are measured]
     #[arg(long, value_name = "FROM:TO", value_parser = range)]
     range: Option<[f64; 2]>,
@@ -76,9 +76,9 @@ pub(crate) struct Args {
     /// Solutions to give at least; those that fit as well as the best always are
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=50))]
     solutions: u64,
-    /// Random individuals of a species in each simulated spectrum
-    #[arg(long, value_name = "N", default_value_t = INSTANCES, value_parser = clap::value_parser!(u64).range(1..=1000))]
-    instances: u64,
+    /// Random individuals of a species in each simulated spectrum [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
+    instances: Option<u64>,
     /// Write the best solution as a stack, species or lattice file (.toml), which all commands take
     #[arg(short, long, value_name = "BEST.toml")]
     output: Option<PathBuf>,
@@ -104,16 +104,21 @@ impl Args {
         self.check()?;
         let opening = self.common.opening()?;
         let simulation = Simulation {
-            instances: self.instances as usize,
+            instances: self.instances.unwrap_or(INSTANCES) as usize,
             seed: self.common.seed,
             collect: Collect::Hemisphere,
         };
         let target =
             open::target(&self.model, self.stack.as_deref(), self.free.clone(), simulation, &opening)?;
         target.check_instrument(self.instrument.as_ref())?;
+        self.say_idle(&target);
         let measured = self.read()?;
-        let along = self.plane == Plane::Along;
-        let readings = Reading::of(&measured, self.instrument.as_ref(), along, self.range)?;
+        let lighting = Lighting {
+            instrument: self.instrument.as_ref(),
+            along: self.plane == Some(Plane::Along),
+            thickest_nm: target.thickest_nm()?,
+        };
+        let readings = Reading::of(&measured, lighting, self.range)?;
         let settings = Settings {
             level: if self.level == Levels::Free { Level::Free } else { Level::Fixed },
             offset: self.offset,
@@ -143,6 +148,21 @@ impl Args {
             check_writable(path)?;
         }
         check_outputs(self.picture.as_deref(), None)
+    }
+
+    /// Says what is of barbules where flat layers are fitted.
+    fn say_idle(&self, target: &Target) {
+        if !matches!(target, Target::Stack { .. }) {
+            return;
+        }
+        for (flag, is_given, why) in [
+            ("--instances", self.instances.is_some(), "flat layers have no random individuals"),
+            ("--plane", self.plane.is_some(), "flat layers reflect the same in every plane"),
+        ] {
+            if is_given {
+                self.common.idle(flag, why);
+            }
+        }
     }
 
     fn read(&self) -> Result<Measurements> {

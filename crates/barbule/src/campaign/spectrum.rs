@@ -20,7 +20,7 @@ use crate::{Error, Result};
 
 #[cfg(test)]
 pub(crate) use mount::Beam;
-pub(crate) use mount::Tilted;
+pub(crate) use mount::{Lobes, Tilted};
 pub use mount::{Mount, Vane};
 pub use reading::{ReadingRequest, reading_bytes, readings_and_individuals};
 

@@ -23,7 +23,7 @@ mod weighing;
 
 pub use noise::Noise;
 pub use outcome::{Outcome, in_words};
-pub use reading::{Beam, Reading};
+pub use reading::{Beam, Lighting, Reading};
 pub use structure::{FittedStructure, Simulation, fit_structure};
 pub use subject::{Open, Subject};
 pub use target::{FILM, FILM_NM, LAYER_NM, Target};

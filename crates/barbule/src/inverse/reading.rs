@@ -27,6 +27,17 @@ impl Beam {
     }
 }
 
+/// How measurements were lit.
+#[derive(Debug, Clone, Copy)]
+pub struct Lighting<'a> {
+    /// The instrument; none: light from one direction alone.
+    pub instrument: Option<&'a Instrument>,
+    /// Whether the angles are along the barbule rather than across it.
+    pub along: bool,
+    /// All layers together of the thickest stack that is looked at, nm, whose fringes an instrument's directions follow.
+    pub thickest_nm: f64,
+}
+
 /// One measured spectrum, and how it was lit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
@@ -76,21 +87,20 @@ impl Reading {
     }
 
     /// One reading for each angle of measurements: with an instrument those of flat layers under it, else light from that angle
-    /// alone, across the barbule or `along` it. Where no angle is said it is 0.
+    /// alone. Where no angle is said it is 0.
     ///
     /// # Errors
     /// As [`Self::new`], or an instrument that does not see a sample so far turned.
     pub fn of(
         measurements: &Measurements,
-        instrument: Option<&Instrument>,
-        along: bool,
+        lighting: Lighting<'_>,
         range_nm: Option<[f64; 2]>,
     ) -> Result<Vec<Self>> {
         let one = |at: &AtAngle| {
             let samples: Vec<Spectrum> =
                 at.measured.samples.iter().map(|sample| sample.spectrum.clone()).collect();
             let angle = at.angle_deg.unwrap_or(0.0);
-            Self::at(angle, &at.measured.mean, &samples, instrument, along, range_nm)
+            Self::at(angle, &at.measured.mean, &samples, lighting, range_nm)
         };
         measurements.angles.iter().map(one).collect()
     }
@@ -103,19 +113,22 @@ impl Reading {
         angle_deg: f64,
         mean: &Spectrum,
         samples: &[Spectrum],
-        instrument: Option<&Instrument>,
-        along: bool,
+        lighting: Lighting<'_>,
         range_nm: Option<[f64; 2]>,
     ) -> Result<Self> {
         let angle = angle_deg.to_radians();
-        let towards = |angle: f64| if along { (angle, 0.0) } else { (0.0, angle) };
+        let towards = |angle: f64| if lighting.along { (angle, 0.0) } else { (0.0, angle) };
         let name = format!("{angle_deg}°");
-        let beams = match instrument {
+        let beams = match lighting.instrument {
             None => vec![Beam { direction: towards(angle), weight: 1.0 }],
             Some(instrument) => {
                 instrument.check(angle).map_err(|error| error.at(&name))?;
                 let beam = |light: &Incidence| Beam { direction: towards(light.angle), weight: light.weight };
-                instrument.planar(angle).iter().map(beam).collect()
+                instrument
+                    .planar(angle, lighting.thickest_nm / mean.wavelengths().range_nm().0)
+                    .iter()
+                    .map(beam)
+                    .collect()
             }
         };
         Self::new(name, mean, samples, beams, range_nm)

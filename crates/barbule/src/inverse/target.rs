@@ -3,6 +3,7 @@
 use super::outcome::{Outcome, comments};
 use super::structure::{FittedStructure, Simulation, fit_structure};
 use super::subject::{Open, Subject};
+use super::template::Template;
 use super::{Reading, Settings, fit_stack};
 use crate::error::shortened;
 use crate::instrument::Instrument;
@@ -54,6 +55,16 @@ impl Target {
             .naming(&["instrument"])),
             _ => Ok(()),
         }
+    }
+
+    /// All layers together of the thickest stack that is looked at, nm; 0 of what is no stack.
+    ///
+    /// # Errors
+    /// It is no stack with open numbers.
+    pub fn thickest_nm(&self) -> Result<f64> {
+        let Self::Stack { text, usual_nm, library } = self else { return Ok(0.0) };
+        let template = Template::parse(text, *usual_nm, library)?;
+        Ok(template.stack(&template.sizes(|_| 1.0), library)?.thickness_nm().iter().sum())
     }
 
     /// Fits it to readings.

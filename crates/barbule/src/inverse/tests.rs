@@ -196,7 +196,7 @@ fn angles_instruments_levels_and_offsets_are_taken_together() {
     let mut stream = Stream::new(5, &[]);
     let probe = Instrument::parse("probe:20").unwrap();
     let beams = |turned: f64| -> Vec<Beam> {
-        let light = probe.planar(turned.to_radians());
+        let light = probe.planar(turned.to_radians(), 10.0);
         light.iter().map(|l| Beam { direction: (0.0, l.angle), weight: l.weight }).collect()
     };
     let readings: Vec<Reading> = [0.0, 5.0]

@@ -167,7 +167,7 @@ fn stacks_read_what_plane_waves_say_and_strips_nearly_so() {
     for (instrument, turned_deg) in [("probe:40", 0.0), ("arms:30,30,30", 0.0), ("probe:30", 15.0)] {
         let mounts = [mount(instrument, turned_deg)];
         let exact = read(&structure, &[520.0], &mounts, 1, [0.5; 2])[0][0];
-        let nodes = mounts[0].instrument.planar(mounts[0].turned);
+        let nodes = mounts[0].instrument.planar(mounts[0].turned, 1.0);
         let unpolarized = |angle: f64| {
             let of = |polarization| film::response(&stack, 520.0, angle, polarization).unwrap().reflected;
             0.5 * (of(film::Polarization::S) + of(film::Polarization::P))
@@ -180,6 +180,81 @@ fn stacks_read_what_plane_waves_say_and_strips_nearly_so() {
             .sum();
         // Reached 0.9, 1.5 and 0.03 %.
         assert!((strip / exact - 1.0).abs() < 0.02, "{instrument}: {strip} of {exact}");
+    }
+}
+
+/// Facets tilted far more widely than the instrument's cones, as mirrors under random rays: what of them faces the instrument is found
+/// however rare it is.
+#[test]
+fn widely_tilted_mirrors_read_what_random_facets_do() {
+    let text = "air/keratin:600/air";
+    let (structure, stack) =
+        (Structure::flat(text).unwrap(), Stack::parse(text, &Library::builtin()).unwrap());
+    // Between them R is linear enough.
+    let steps = 90;
+    let table: Vec<f64> = (0..=steps)
+        .map(|k| {
+            let angle = FRAC_PI_2 * f64::from(k) / f64::from(steps + 1);
+            let of = |polarization| film::response(&stack, 550.0, angle, polarization).unwrap().reflected;
+            0.5 * (of(film::Polarization::S) + of(film::Polarization::P))
+        })
+        .collect();
+    let reflectance = |cosine: f64| {
+        let place = cosine.clamp(-1.0, 1.0).acos() / FRAC_PI_2 * f64::from(steps + 1);
+        let at = (place as usize).min(table.len() - 2);
+        table[at] + (place - at as f64) * (table[at + 1] - table[at])
+    };
+    // Strips 25 µm wide diffract, where turns are few out of their reach.
+    for (k, (instrument, turned_deg, tilt_deg, diffracted)) in [
+        ("probe:1", 0.0, [10.0, 10.0], 0.02),
+        ("probe:3", 8.0, [8.0, 8.0], 0.02),
+        ("arms:30,30,1", 0.0, [8.0, 2.0], 0.05),
+        ("arms:20,36,2", 0.0, [8.0, 8.0], 0.02),
+        ("probe:25", 0.0, [6.0, 12.0], 0.02),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let deviations = tilt_deg.map(f64::to_radians);
+        let tilted = Mount { tilt: deviations, ..mount(instrument, turned_deg) };
+        let found = read(&structure, &[550.0], &[tilted], 1, [0.5; 2])[0][0];
+        let apertures = tilted.instrument.apertures(tilted.turned);
+        let [lit, seen] = apertures.map(|one| (DVec3::new(one.angle.sin(), 0.0, one.angle.cos()), one.half));
+        let (across, along) = (lit.0.cross(DVec3::Y), DVec3::Y);
+        let mut stream = Stream::new(11, &[k as u64]);
+        let (mut sum, mut squares) = (0.0, 0.0);
+        let count = 1_500_000;
+        for _ in 0..count {
+            let [slope, turn] = deviations.map(|deviation| {
+                loop {
+                    let drawn = stream.normal();
+                    if drawn.abs() < 3.0 {
+                        return drawn * deviation;
+                    }
+                }
+            });
+            let facet = DVec3::new(turn.sin(), -slope.sin() * turn.cos(), slope.cos() * turn.cos());
+            let (cosine, phi) = (stream.uniform(lit.1.cos(), 1.0), stream.uniform(0.0, 2.0 * PI));
+            let sine = (1.0 - cosine * cosine).sqrt();
+            let wi = cosine * lit.0 + sine * (phi.cos() * across + phi.sin() * along);
+            let incidence = wi.dot(facet);
+            let wo = 2.0 * incidence * facet - wi;
+            if incidence > 0.0 && wo.dot(seen.0) > seen.1.cos() {
+                let part = incidence * reflectance(incidence) / (slope.cos() * turn.cos());
+                sum += part;
+                squares += part * part;
+            }
+        }
+        let solid = 2.0 * PI * (1.0 - lit.1.cos());
+        let scale = PI * solid / (apertures[0].projected_area() * apertures[1].projected_area());
+        let count = f64::from(count);
+        let mean = scale * sum / count;
+        let error = scale * squares.sqrt() / count;
+        let allowed = diffracted * mean + 3.0 * error;
+        assert!(
+            (found - mean).abs() < allowed && error < 0.03 * mean,
+            "{instrument}: {found}, drawn {mean} ± {error}"
+        );
     }
 }
 

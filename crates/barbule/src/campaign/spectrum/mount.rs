@@ -9,12 +9,22 @@ use glam::DVec3;
 
 use crate::Result;
 use crate::instrument::Instrument;
+use crate::math::quadrature::gauss_legendre;
 
-/// How far from the mean tilts are taken, in standard deviations.
+/// How far from the mean tilts are taken, in standard deviations, and at most, rad: barbules that are turned further are behind others.
 const FURTHEST_TILT: f64 = 3.0;
+const STEEPEST: f64 = 1.4;
 
-/// Tilts in each plane, at most.
-const MOST_TILTS: usize = 31;
+/// Slopes in each piece of their range.
+const SLOPES: usize = 12;
+/// Even tilts on either side of the mean, at least.
+const FEWEST_TILTS: usize = 4;
+/// Turns are closer than what they are to resolve by this.
+const TURNS_PER_WIDTH: f64 = 6.0;
+/// Halvings of a range of slopes: to the last digits.
+const BISECTIONS: usize = 52;
+/// Standard deviations of lobes within which they are taken.
+const LOBE_REACH: f64 = 4.0;
 
 /// A feather in the place of an instrument's sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,6 +89,15 @@ pub(crate) struct Tilted {
     pub(crate) vane: Option<Vane>,
 }
 
+/// Standard deviations of the lobes in which barbules scatter light of one direction, rad.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lobes {
+    /// The narrowest and the widest along barbules; 0 where light keeps its longitude.
+    pub(crate) along: [f64; 2],
+    /// The narrowest across them.
+    pub(crate) across: f64,
+}
+
 /// A cone of directions in a barbule's frame.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Beam {
@@ -138,14 +157,23 @@ impl Mount {
         })
     }
 
-    /// The tilts of barbules: an even rule over ±3 standard deviations, finer than the apertures.
-    pub(crate) fn tilted(&self) -> Vec<Tilted> {
+    /// The tilts of barbules with these lobes.
+    ///
+    /// A slope of α turns the mirrored beam by 2α, so that apertures share light at few slopes however widely these are spread. The rule is
+    /// Gauss's over those alone, apart on both sides of the slope at which most is shared, where readings have a kink. Turns are even, over
+    /// ±3 standard deviations: across them barbules send light anywhere.
+    pub(crate) fn tilted(&self, lobes: Lobes) -> Vec<Tilted> {
         let axes = self.axes();
-        let finest = match self.instrument {
-            Instrument::Sphere => f64::INFINITY,
-            _ => axes[0].half.min(axes[1].half),
+        let [slopes, turns] = match self.instrument {
+            Instrument::Sphere => self.tilt.map(|deviation| even_rule(deviation, f64::INFINITY)),
+            _ => {
+                let width = axes[0].half.min(axes[1].half).hypot(lobes.across);
+                [
+                    slope_rule(self.tilt[0], &axes, lobes.along),
+                    even_rule(self.tilt[1], width / TURNS_PER_WIDTH),
+                ]
+            }
         };
-        let [slopes, turns] = self.tilt.map(|deviation| normal_rule(deviation, finest));
         let mut all = Vec::with_capacity(slopes.len() * turns.len());
         for &(slope, share) in &slopes {
             for &(turn, part) in &turns {
@@ -208,24 +236,76 @@ fn in_frame(w: DVec3, slope: f64, turn: f64) -> DVec3 {
     DVec3::new(w.x * cos - up * sin, along, w.x * sin + up * cos)
 }
 
-/// Nodes and weights, which sum to 1, of a normal distribution, closer than `finest` where possible.
-fn normal_rule(deviation: f64, finest: f64) -> Vec<(f64, f64)> {
+/// How far tilts of this standard deviation go, rad.
+fn furthest(deviation: f64) -> f64 {
+    (FURTHEST_TILT * deviation).min(STEEPEST)
+}
+
+/// Nodes and weights, which sum to 1, of a normal distribution as far as it goes: even ones, no further apart than `step`.
+fn even_rule(deviation: f64, step: f64) -> Vec<(f64, f64)> {
     if deviation == 0.0 {
         return vec![(0.0, 1.0)];
     }
-    let reach = FURTHEST_TILT * deviation;
-    let steps = ((reach / (0.5 * finest)).ceil() as usize).clamp(4, MOST_TILTS / 2);
-    let nodes = (0..=2 * steps).map(|k| k as f64 / steps as f64 - 1.0);
-    let rule: Vec<(f64, f64)> =
-        nodes.map(|x| (x * reach, (-0.5 * (FURTHEST_TILT * x).powi(2)).exp())).collect();
+    let reach = furthest(deviation);
+    let steps = ((reach / step).ceil() as usize).max(FEWEST_TILTS);
+    let nodes = (0..=2 * steps).map(|k| reach * (k as f64 / steps as f64 - 1.0));
+    let rule: Vec<(f64, f64)> = nodes.map(|at| (at, bell(at, deviation))).collect();
     let sum: f64 = rule.iter().map(|node| node.1).sum();
     rule.into_iter().map(|(at, weight)| (at, weight / sum)).collect()
+}
+
+/// Nodes and weights of the slopes at which the apertures about two axes share light whose longitude barbules keep but for such lobes;
+/// shares of the whole normal distribution. None where they never do.
+fn slope_rule(deviation: f64, axes: &[Beam; 2], lobes: [f64; 2]) -> Vec<(f64, f64)> {
+    if deviation == 0.0 {
+        return vec![(0.0, 1.0)];
+    }
+    // Where both axes are above barbules, their longitudes rise with the slope.
+    let leanings = axes.each_ref().map(|beam| beam.axis.y.atan2(beam.axis.z));
+    let reach = furthest(deviation);
+    let low = (-reach).max(-FRAC_PI_2 - leanings[0].min(leanings[1]));
+    let high = reach.min(FRAC_PI_2 - leanings[0].max(leanings[1]));
+    if low >= high {
+        return Vec::new();
+    }
+    let longitudes =
+        |slope: f64| axes.iter().map(|beam| in_frame(beam.axis, slope, 0.0).angles().0).sum::<f64>();
+    let [near, far] = lobes.map(|lobe| axes[0].half + axes[1].half + LOBE_REACH * lobe);
+    let edges = [-far, -near, 0.0, near, far].map(|wanted| {
+        let (mut below, mut above) = (low, high);
+        for _ in 0..BISECTIONS {
+            let half_way = 0.5 * (below + above);
+            if longitudes(half_way) < wanted {
+                below = half_way;
+            } else {
+                above = half_way;
+            }
+        }
+        0.5 * (below + above)
+    });
+    // ∫ of the bell as far as it goes.
+    let whole: f64 =
+        integral_rule(-reach, reach, 4 * SLOPES).map(|(at, weight)| weight * bell(at, deviation)).sum();
+    let pieces = edges.windows(2).filter(|piece| piece[0] < piece[1]);
+    let nodes = pieces.flat_map(|piece| integral_rule(piece[0], piece[1], SLOPES));
+    nodes.map(|(at, weight)| (at, weight * bell(at, deviation) / whole)).collect()
+}
+
+fn bell(at: f64, deviation: f64) -> f64 {
+    libm::exp(-0.5 * (at / deviation).powi(2))
+}
+
+/// Gauss's rule over an interval.
+fn integral_rule(from: f64, to: f64, count: usize) -> impl Iterator<Item = (f64, f64)> {
+    gauss_legendre(count).into_iter().map(move |(at, weight)| (from + (to - from) * at, (to - from) * weight))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scattering::directions::omega;
+
+    const KEPT: Lobes = Lobes { along: [0.0; 2], across: 0.01 };
 
     #[test]
     fn azimuths_of_a_cone_are_those_inside_it() {
@@ -238,7 +318,7 @@ mod tests {
             vane: None,
         };
         for mount in [mount(false, 0.0), mount(true, 0.0), mount(false, 0.7), mount(true, -2.0)] {
-            for tilted in mount.tilted() {
+            for tilted in mount.tilted(KEPT) {
                 for beam in [tilted.lit, tilted.seen] {
                     for k in -44..=44 {
                         let theta = f64::from(2 * k).to_radians();
@@ -275,7 +355,7 @@ mod tests {
         assert!((theta + 0.5).abs() < 1e-12 && phi.abs() < 1e-12, "{theta} {phi}");
         // Facets over a unit of area take what falls on it.
         let white: f64 = mount
-            .tilted()
+            .tilted(KEPT)
             .iter()
             .map(|t| {
                 let (theta, phi) = t.lit.direction();

@@ -12,7 +12,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use super::mount::{Mount, Tilted, Vane};
+use super::mount::{Lobes, Mount, Tilted, Vane};
 use super::*;
 use crate::film::{Polarization, reflect};
 use crate::instrument::Instrument;
@@ -21,6 +21,9 @@ use crate::structure::{FLAT_WIDTH_UM, Medium, Section};
 
 /// The distance of incident azimuths, rad: far fields of barbules are wider, about λ/(πW/4) = 1.5° and more.
 const AZIMUTH_STEP: f64 = 0.022;
+
+/// Barbules are the same along their axes, and across them no lobe is narrower than a flat one's, λ/2W.
+const LOBES: Lobes = Lobes { along: [0.0; 2], across: 0.01 };
 
 /// The distance of incident longitudes, rad, in the middle of an aperture.
 const LONGITUDE_STEP: f64 = 0.09;
@@ -192,7 +195,7 @@ fn add(cones: &mut BTreeMap<u64, Lit>, [theta, phi]: [f64; 2], terms: Vec<Term>)
 }
 
 fn add_sphere(cones: &mut BTreeMap<u64, Lit>, row: usize, mount: &Mount) {
-    for Tilted { lit, weight, vane, .. } in mount.tilted() {
+    for Tilted { lit, weight, vane, .. } in mount.tilted(LOBES) {
         let (theta, phi) = lit.direction();
         let cosine = theta.cos() * phi.cos();
         if cosine > 0.0 && phi.abs() < 0.5 * PI {
@@ -205,7 +208,7 @@ fn add_sphere(cones: &mut BTreeMap<u64, Lit>, row: usize, mount: &Mount) {
 }
 
 fn add_apertures(cones: &mut BTreeMap<u64, Lit>, row: usize, mount: &Mount) {
-    let (tilted, scale) = (mount.tilted(), mount.scale());
+    let (tilted, scale) = (mount.tilted(LOBES), mount.scale());
     let shared = |one: &Tilted| {
         let ([a, b], [c, d]) = (one.lit.theta_range(), one.seen.theta_range());
         [a.max(-d), b.min(-c)]
@@ -374,7 +377,9 @@ fn of_planar(
     let planar = Planar::of(&structure.instance(request.seed, instance)?)?.ok_or_else(name)?;
     let columns = request.wavelengths.len();
     let mut result = vec![0.0; request.mounts.len() * columns];
-    let nodes: Vec<_> = request.mounts.iter().map(|mount| mount.instrument.planar(mount.turned)).collect();
+    let waves = planar.thickness_nm.iter().sum::<f64>() / request.wavelengths.range_nm().0;
+    let nodes: Vec<_> =
+        request.mounts.iter().map(|mount| mount.instrument.planar(mount.turned, waves)).collect();
     for (column, &nm) in request.wavelengths.iter().enumerate() {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
