@@ -7,12 +7,13 @@ use barbule::progress::Progress;
 use barbule::spectrum::Spectrum;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 use barbule::structure::Structure;
 use barbule::{Error, Result, open};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats, check_count, flat, incidences, shaped, wavelengths};
+use crate::arrays::{Floats, check_count, flat, incidences, sampled, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::spectrum::MOST_INSTANCES;
@@ -69,7 +70,7 @@ pub(crate) fn compare(
     peak_range_nm: Option<[f64; 2]>,
 ) -> PyResult<String> {
     let curves = |nm: &Floats, values: &Floats| -> Result<Vec<Spectrum>> {
-        let at = wavelengths(nm)?;
+        let at = sampled(nm)?;
         flat(values).chunks(at.len()).map(|row| Spectrum::new(at.clone(), row.to_vec())).collect()
     };
     let found = || -> Result<String> {
@@ -124,7 +125,7 @@ pub(crate) fn intervals(
         let means = spectra.mean.iter().map(|mean| Spectrum::new(at.clone(), mean.clone()));
         let angles: Vec<f64> =
             request.directions.iter().map(|(theta, phi)| theta.to_degrees() + phi.to_degrees()).collect();
-        let looks = Look::series(&angles, &means.collect::<Result<Vec<_>>>()?, None);
+        let looks = Look::series(&angles, &means.collect::<Result<Vec<_>>>()?, Origin::Computed, None);
         let of = |d: usize| (0..individuals.count()).map(|i| individuals.of(i, d).to_vec()).collect();
         let curves: Vec<Vec<Vec<f64>>> = (0..request.directions.len()).map(of).collect();
         let simulated = Simulated { at: &at, means: &spectra.mean, curves: &curves, looks: &looks };

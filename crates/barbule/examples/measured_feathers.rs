@@ -10,7 +10,7 @@ use barbule::material::Library;
 use barbule::plot::{Axis, Curve, Figure, Format};
 use barbule::progress::Unobserved;
 use barbule::solve::crystal::{Multipole, sweep};
-use barbule::spectrum::peaks::{highest, peaks};
+use barbule::spectrum::peaks::{Origin, highest, peaks};
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
 use barbule::structure::SpeciesModel;
@@ -77,8 +77,8 @@ fn mallard(angles_deg: &[f64]) -> Result<Vec<[f64; 4]>> {
     let rows = angles_deg.iter().zip(found.chunks(at.len()));
     rows.map(|(angle, row)| {
         let curve = Spectrum::new(at.clone(), row.iter().map(|[a, b]| 0.5 * (a + b)).collect())?;
-        let top =
-            highest(&peaks(&curve, None), None).ok_or_else(|| Error::input("a lattice without a peak"))?;
+        let top = highest(&peaks(&curve, Origin::Computed, None), None)
+            .ok_or_else(|| Error::input("a lattice without a peak"))?;
         Ok([*angle, top.nm, top.reflectance, top.half.nm().unwrap_or(f64::NAN)])
     })
     .collect()

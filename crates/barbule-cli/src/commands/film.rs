@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use barbule::film::{self, Deviations, Ensemble, Sweep};
 use barbule::open;
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
 use barbule::{Error, Result};
@@ -188,7 +189,12 @@ impl Found {
         let [s, p] = &self.mean.polarization;
         let series = |values: &[f64]| {
             let rows = values.chunks_exact(at.len()).map(|row| Spectrum::new(at.clone(), row.to_vec()));
-            Ok::<_, Error>(Look::series(&self.angle_deg, &rows.collect::<Result<Vec<_>>>()?, peak_range_nm))
+            Ok::<_, Error>(Look::series(
+                &self.angle_deg,
+                &rows.collect::<Result<Vec<_>>>()?,
+                Origin::Computed,
+                peak_range_nm,
+            ))
         };
         let [unpolarized, s, p] =
             [&self.mean.unpolarized(), &s.reflected, &p.reflected].map(|values| series(values));

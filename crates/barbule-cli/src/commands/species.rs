@@ -11,12 +11,12 @@ use barbule::progress::{Progress, Unobserved};
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::swatch::normal_reflectance;
 use barbule::spectrum::look::{Look, hex};
+use barbule::spectrum::peaks::Origin;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{
     DEFAULT_VARIANT, SpeciesFile, Structure, species_name, species_names, species_toml,
 };
 use barbule::{Error, Result, fields};
-use clap::builder::ArgPredicate;
 use serde_json::{Map, Value, json};
 
 use crate::bird_args::{BirdArgs, Sight, Viewer};
@@ -31,6 +31,10 @@ use crate::{sets, structure_arg};
 const POINTS: usize = 120;
 const INSTANCES: usize = 2;
 const MOST_GIVEN: usize = 20;
+
+/// Wavelengths where none are given, nm.
+const USUAL_NM: &str = "380:780:10";
+const USUAL_NM_OF_BIRDS: &str = "300:780:10";
 
 /// Swatches in a line of the figure.
 const SWATCHES_ABREAST: usize = 8;
@@ -48,10 +52,9 @@ pub(crate) struct Args {
     /// variants. With --json as JSON
     #[arg(long, conflicts_with = "output")]
     toml: bool,
-    /// Wavelengths in nm of which colours are made
-    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "380:780:10",
-        default_value_if("birds", ArgPredicate::IsPresent, "300:780:10"), value_parser = sets::wavelength_set)]
-    wavelengths: Wavelengths,
+    /// Wavelengths in nm of which colours are made [default: 380:780:10, with --bird 300:780:10]
+    #[arg(long, alias = "wavelength", value_name = "SET", value_parser = sets::wavelength_set)]
+    wavelengths: Option<Wavelengths>,
     #[command(flatten)]
     birds: BirdArgs,
     #[command(flatten)]
@@ -94,9 +97,20 @@ struct Variant {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        self.peak.within(&self.wavelengths)?;
+        let at = self.wavelengths()?;
+        let peak_range = self.peak.within(&at)?;
         self.figure.check_rigid(&self.common)?;
         if self.toml {
+            for (flag, is_given) in [
+                ("--wavelengths", self.wavelengths.is_some()),
+                ("--bird", !self.birds.birds.is_empty()),
+                ("--peak-range", peak_range.is_some()),
+            ] {
+                if is_given {
+                    self.common
+                        .idle(flag, "--toml prints the species file, without colours; leave --toml out");
+                }
+            }
             let text = self.file_text()?;
             return match self.common.json {
                 true => print_json(out, &fields::parse_toml(&text)?),
@@ -107,7 +121,7 @@ impl Args {
             Some(name) => vec![self.find(name)?],
             None => species_names().map(|name| self.find(name)).collect::<Result<_>>()?,
         };
-        let views = self.birds.views(self.wavelengths.range_nm())?;
+        let views = self.birds.views(at.range_nm())?;
         let progress = Terminal::new(&self.common);
         progress.begin("colours", subjects.iter().map(Subject::colours).sum());
         let entries = subjects
@@ -123,6 +137,12 @@ impl Args {
             self.common.wrote(path, &format!("colours of {of} at normal incidence, {count} swatches"));
         }
         if self.common.json { print_json(out, &document(&entries)) } else { list(out, &entries) }
+    }
+
+    /// The wavelengths of colours: those given, or the usual ones, which reach to where birds see.
+    fn wavelengths(&self) -> Result<Wavelengths> {
+        let usual = if self.birds.birds.is_empty() { USUAL_NM } else { USUAL_NM_OF_BIRDS };
+        self.wavelengths.clone().map_or_else(|| sets::wavelength_set(usual), Ok)
     }
 
     /// Built-in names come before files.
@@ -231,7 +251,7 @@ impl Args {
         if progress.is_cancelled() {
             return Err(Error::interrupted());
         }
-        let at = &self.wavelengths;
+        let at = &self.wavelengths()?;
         if let Some(lattice) = structure.lattice() {
             let found = sweep(&Multipole::default(), &lattice, at.nm(), 0.0, &[0.0], &Unobserved)?;
             let values = found.into_iter().map(|[a, b]| 0.5 * (a + b)).collect();
@@ -262,9 +282,11 @@ impl Args {
     }
 
     fn look_of(&self, values: Vec<f64>, views: &[Viewer]) -> Result<(Look, Vec<Sight>)> {
-        let reflectance = [Spectrum::new(self.wavelengths.clone(), values)?];
+        let at = self.wavelengths()?;
+        let peak_range = self.peak.within(&at)?;
+        let reflectance = [Spectrum::new(at, values)?];
         let sights = views.iter().map(|view| Sight::of(view, &reflectance)).collect::<Result<_>>()?;
-        Ok((Look::with_peak_in(&reflectance[0], self.peak.within(&self.wavelengths)?), sights))
+        Ok((Look::with_peak_in(&reflectance[0], Origin::Computed, peak_range), sights))
     }
 }
 

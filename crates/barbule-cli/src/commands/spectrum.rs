@@ -21,6 +21,7 @@ use barbule::progress::{Progress, Several};
 use barbule::solve::core_fringes::{CoreFringes, core_fringes};
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::{Side, Structure};
 use barbule::{Error, Result};
@@ -363,9 +364,11 @@ impl Args {
             1 => None,
             _ => core_fringes(structure, self.common.seed, instances, &self.wavelengths)?,
         };
+        // Turned over by its name, by --side, or by both and so not at all.
+        let upper = typed.strip_suffix(Side::BELOW).unwrap_or(typed);
         let name = match structure.side() {
-            Side::Above => typed.to_owned(),
-            Side::Below => typed.to_owned() + Side::BELOW,
+            Side::Above => upper.to_owned(),
+            Side::Below => upper.to_owned() + Side::BELOW,
         };
         let found = self.found(name, &structure.name(), spectra, Some(&individuals), asked)?;
         let intervals = self.intervals(typed, &found, &individuals, asked, progress)?;
@@ -437,7 +440,7 @@ impl Args {
             spectra,
             individuals: None,
             core_fringes: None,
-            looks: Look::series(&self.law_angles_deg(asked.rows), &means, peak_range),
+            looks: Look::series(&self.law_angles_deg(asked.rows), &means, Origin::Computed, peak_range),
             comparisons,
             intervals: None,
             sights: Vec::new(),

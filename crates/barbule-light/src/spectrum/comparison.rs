@@ -8,7 +8,7 @@ use super::difference::{delta_e_76, delta_e_2000, lab};
 use super::fields::{Field, Fields};
 use super::look::Look;
 use super::orders::{ANY_STRETCH, Correspondence, LEAST_CORRELATION, Lost, corresponding};
-use super::peaks::Peak;
+use super::peaks::{Origin, Peak};
 use super::residual::Residual;
 use super::spread::{Moments, Spread};
 use crate::{Error, Result};
@@ -77,7 +77,8 @@ impl Comparison {
         };
         let products = |a: usize, b: usize| pairs.iter().map(|pair| pair[a] * pair[b]).sum::<f64>();
         let scale = Some(products(0, 1) / products(0, 0)).filter(|scale| scale.is_finite());
-        let mut looks = [&simulated, &measured].map(|curve| Look::with_peak_in(curve, peak_range_nm));
+        let both = [(&simulated, Origin::Computed), (&measured, Origin::Measured)];
+        let mut looks = both.map(|(curve, origin)| Look::with_peak_in(curve, origin, peak_range_nm));
         let correspondence = looks[1]
             .peak
             .map(|peak| corresponding(&measured, peak.nm, &simulated, &looks[0].peaks, ANY_STRETCH));
@@ -111,12 +112,16 @@ impl Comparison {
     /// The same with how the individuals of both differ, of whose means the comparison is: of each the peak that is nearest to the mean's.
     #[must_use]
     pub fn with_individuals(self, simulated: &[Spectrum], measured: &[Spectrum]) -> Self {
-        let of = |curves: &[Spectrum], look: &Look| {
+        let of = |curves: &[Spectrum], origin: Origin, look: &Look| {
             let within: Vec<Spectrum> =
                 curves.iter().filter_map(|curve| curve.within(self.range_nm)).collect();
-            Spread::of(&within, look.peak)
+            Spread::of(&within, origin, look.peak)
         };
-        Self { spread: [of(simulated, &self.simulated), of(measured, &self.measured)], ..self }
+        let spread = [
+            of(simulated, Origin::Computed, &self.simulated),
+            of(measured, Origin::Measured, &self.measured),
+        ];
+        Self { spread, ..self }
     }
 
     /// The 95 % interval of the shift of the peak, nm, from how the individuals of both differ (Welch's t); none where one of the
@@ -332,7 +337,7 @@ mod tests {
         let green = bell(&nm, 540.0, 30.0, 0.2);
         let both = ultraviolet.values().iter().zip(green.values()).map(|(a, b)| a + b);
         let measured = Spectrum::new(Wavelengths::new(nm.clone()).unwrap(), both.collect()).unwrap();
-        assert!((Look::of(&measured).peak.unwrap().nm - 350.0).abs() < 1.0);
+        assert!((Look::with_peak_in(&measured, Origin::Measured, None).peak.unwrap().nm - 350.0).abs() < 1.0);
         assert!(Comparison::of(&simulated, &measured, None).unwrap().peak_shift_nm().unwrap().abs() < 1.0);
     }
 

@@ -11,11 +11,11 @@ use super::colour::{Observer, chromaticity, display, held, known_share};
 use super::fields::{Field, Fields};
 use super::hue::{Dominant, dominant, hue_deg};
 use super::orders::{LEAST_CORRELATION, Lost, follow, nearest_to_normal, outwards};
-use super::peaks::{Peak, highest, peaks};
+use super::peaks::{Origin, Peak, highest, peaks};
 use crate::error::counted;
 
 /// The part of each of X, Y and Z of white that a spectrum must cover to have a colour.
-const COLOUR_NEEDS: f64 = 0.9;
+pub const COLOUR_NEEDS: f64 = 0.9;
 
 /// The brightest channel of a normalized colour, linear.
 const NORMALIZED: f64 = 0.9;
@@ -85,19 +85,19 @@ pub fn hex([r, g, b]: [u8; 3]) -> String {
 }
 
 impl Look {
-    /// The numbers of a reflectance.
+    /// The numbers of a computed reflectance.
     #[must_use]
     pub fn of(reflectance: &Spectrum) -> Self {
-        Self::with_peak_in(reflectance, None)
+        Self::with_peak_in(reflectance, Origin::Computed, None)
     }
 
     /// The numbers of a reflectance whose peak is the highest within a range of wavelengths in nm; half levels are half-way to
     /// the lowest reflectance in that range.
     #[must_use]
-    pub fn with_peak_in(reflectance: &Spectrum, peak_range_nm: Option<[f64; 2]>) -> Self {
+    pub fn with_peak_in(reflectance: &Spectrum, origin: Origin, peak_range_nm: Option<[f64; 2]>) -> Self {
         let (nm, values) = (reflectance.wavelengths().nm(), reflectance.values());
         let (first, last) = reflectance.wavelengths().range_nm();
-        let peaks = peaks(reflectance, peak_range_nm);
+        let peaks = peaks(reflectance, origin, peak_range_nm);
         let top = highest(&peaks, peak_range_nm);
         let mean = mean(nm, values);
         let (low, high) = range(values.iter().copied());
@@ -132,10 +132,11 @@ impl Look {
     pub fn series(
         angles_deg: &[f64],
         reflectances: &[Spectrum],
+        origin: Origin,
         peak_range_nm: Option<[f64; 2]>,
     ) -> Vec<Self> {
-        let mut looks: Vec<Self> =
-            reflectances.iter().map(|reflectance| Self::with_peak_in(reflectance, peak_range_nm)).collect();
+        let one = |reflectance| Self::with_peak_in(reflectance, origin, peak_range_nm);
+        let mut looks: Vec<Self> = reflectances.iter().map(one).collect();
         let Some(start) = looks.get(nearest_to_normal(angles_deg)).and_then(|look| look.peak) else {
             return looks;
         };
@@ -353,12 +354,38 @@ mod tests {
         }
     }
 
+    /// What smoothing over ±10 nm would turn over, and the edge of a mirror's band, where a parabola would overshoot.
+    #[test]
+    fn computed_peaks_are_those_of_the_curve_itself() {
+        let fringe = |nm: f64| 0.1 * (1.0 + libm::cos(std::f64::consts::TAU * 24_000.0 / nm));
+        for step in [1.0, 0.5] {
+            let look = Look::of(&sampled(450.0, 600.0, step, fringe));
+            let inner: Vec<_> = look.peaks.iter().filter(|peak| !peak.at_end).collect();
+            // 24 µm over a whole number.
+            assert!(inner.len() >= 12, "{step}: {}", inner.len());
+            for peak in inner {
+                let order = 24_000.0 / peak.nm;
+                assert!((order - order.round()).abs() < 0.02 && peak.reflectance > 0.19, "{step}: {peak:?}");
+            }
+        }
+        for step in [1.0, 2.0, 5.0] {
+            let band = |nm: f64| {
+                let beyond = ((nm - 520.0).abs() - 40.0).max(0.0);
+                0.999 / (1.0 + (beyond / 4.0).powi(2))
+            };
+            for peak in Look::of(&sampled(450.0, 600.0, step, |nm| band(nm) + 1e-6 * nm)).peaks {
+                assert!(peak.reflectance < 1.0, "{step}: {peak:?}");
+            }
+        }
+    }
+
     #[test]
     fn noise_moves_the_peak_little_and_makes_none_on_a_slope() {
         let noise = |nm: f64| 0.002 * (nm * 12.9898).sin() * (nm * 78.233).cos();
-        let peak = Look::of(&sampled(300.0, 700.0, 0.3, |nm| bell(nm) + noise(nm))).peak.unwrap();
+        let of = |curve: Spectrum| Look::with_peak_in(&curve, Origin::Measured, None);
+        let peak = of(sampled(300.0, 700.0, 0.3, |nm| bell(nm) + noise(nm))).peak.unwrap();
         assert!((peak.nm - 533.3).abs() < 3.0, "{peak:?}");
-        let slope = Look::of(&sampled(300.0, 700.0, 0.3, |nm| nm / 1000.0 + 0.2 * noise(nm)));
+        let slope = of(sampled(300.0, 700.0, 0.3, |nm| nm / 1000.0 + 0.2 * noise(nm)));
         assert_eq!(slope.peak, None);
         // Its end is highest, which is no peak but may be part of one.
         assert!(
@@ -391,7 +418,7 @@ mod tests {
         let shelf = of(&[0.0, 1.0, 0.8, 0.8]);
         assert_eq!(shelf.peak.unwrap().half.sides[1], Side::Ends(460.0));
         assert!(
-            shelf.words().contains("no half width (the range ends at 460 nm above 53.3 %)"),
+            shelf.words().contains("no half width (the range ends at 460 nm above 50.0 %)"),
             "{}",
             shelf.words()
         );
@@ -436,7 +463,7 @@ mod tests {
         let at = |nm: f64, at: f64, width: f64| (-0.5 * ((nm - at) / width).powi(2)).exp();
         let two = |nm: f64| bell(nm) + 0.3 * at(nm, 360.0, 15.0) - 0.04 * at(nm, 310.0, 12.0);
         let all = sampled(300.0, 700.0, 4.0, two);
-        let green = Look::with_peak_in(&all, Some([400.0, 700.0]));
+        let green = Look::with_peak_in(&all, Origin::Computed, Some([400.0, 700.0]));
         assert!((green.peak.unwrap().nm - 533.3).abs() < 0.5 && !green.highest_is_another());
         assert!((green.peak.unwrap().half.level - 0.15).abs() < 1e-3, "{green:?}");
         assert!(
@@ -444,7 +471,7 @@ mod tests {
             "{:?}",
             Look::of(&all).peaks
         );
-        let none = Look::with_peak_in(&all, Some([580.0, 700.0]));
+        let none = Look::with_peak_in(&all, Origin::Computed, Some([580.0, 700.0]));
         assert!(
             none.peak.is_none() && none.words().starts_with("no peak from 580 to 700 nm"),
             "{}",
@@ -462,7 +489,7 @@ mod tests {
                 sampled(300.0, 700.0, 4.0, |nm| 0.05 + 0.2 * at(nm, 540.0) + violet * at(nm, 370.0))
             })
             .to_vec();
-        let looks = Look::series(&angles, &curves, None);
+        let looks = Look::series(&angles, &curves, Origin::Computed, None);
         let nm: Vec<f64> = looks.iter().map(|look| look.peak.unwrap().nm).collect();
         for (found, expected) in nm.iter().zip([540.0, 523.8, 491.4, 453.6]) {
             assert!((found - expected).abs() < 1.5, "{nm:?}");
@@ -480,10 +507,10 @@ mod tests {
                 .words()
                 .starts_with("peak 491 nm (25.0 %), of another order a higher one at 337 nm (30.0 %)")
         );
-        let violet = Look::series(&angles, &curves, Some([300.0, 400.0]));
+        let violet = Look::series(&angles, &curves, Origin::Computed, Some([300.0, 400.0]));
         assert_eq!(violet[3].highest, violet[3].peak, "at 311 nm, still inside");
         let cut: Vec<Spectrum> = curves.iter().map(|curve| curve.within([330.0, 700.0]).unwrap()).collect();
-        let violet = Look::series(&angles, &cut, Some([330.0, 400.0]));
+        let violet = Look::series(&angles, &cut, Origin::Computed, Some([330.0, 400.0]));
         assert!(
             violet[3].peak.is_none() && matches!(violet[3].lost, Some(Lost::Outside(_))),
             "{:?}",

@@ -252,7 +252,7 @@ fn slowest(from_deg: f64, to_deg: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::Wavelengths;
-    use super::super::peaks::{highest, peaks};
+    use super::super::peaks::{Origin, highest, peaks};
     use super::*;
 
     fn curve(range: [f64; 2], step: f64, value: impl Fn(f64) -> f64) -> Spectrum {
@@ -304,7 +304,8 @@ mod tests {
             ] {
                 let curves: Vec<Spectrum> =
                     angles.iter().map(|&deg| curve([300.0, 700.0], 4.0, film(thickness, deg))).collect();
-                let all: Vec<Vec<Peak>> = curves.iter().map(|curve| peaks(curve, None)).collect();
+                let all: Vec<Vec<Peak>> =
+                    curves.iter().map(|curve| peaks(curve, Origin::Computed, None)).collect();
                 let normal = nearest_to_normal(&angles);
                 let start = highest(&all[normal], Some([0.9 * at_normal, 1.1 * at_normal])).unwrap();
                 assert!((start.nm / at_normal - 1.0).abs() < 0.06, "{start:?}");
@@ -327,7 +328,7 @@ mod tests {
     fn what_leaves_the_range_is_lost_and_what_is_unlike_is_not_guessed() {
         let angles = [0.0, 30.0, 60.0];
         let curves = angles.map(|deg| curve([350.0, 700.0], 4.0, film(320.0, deg)));
-        let all = curves.each_ref().map(|curve| peaks(curve, None));
+        let all = curves.each_ref().map(|curve| peaks(curve, Origin::Computed, None));
         let violet = highest(&all[0], Some([350.0, 450.0])).unwrap();
         let found = follow(&angles, &curves, &all, violet);
         assert!((found[1].peak.unwrap().nm / violet.nm - 0.947).abs() < 0.02, "{found:?}");

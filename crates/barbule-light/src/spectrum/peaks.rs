@@ -3,8 +3,8 @@
 use super::Spectrum;
 use super::fields::{Field, Fields};
 
-/// Half the width in nm of the window in which a parabola is fitted before peaks are looked for (Savitzky–Golay);
-/// samples 6 nm apart or more are left as they are.
+/// Half the width in nm of the window in which a parabola is fitted to what is measured (Savitzky–Golay); samples 6 nm
+/// apart or more are left as they are.
 const SMOOTHING_NM: f64 = 10.0;
 
 /// Samples closer than this are averaged first, in nm: spectrometers oversample.
@@ -12,6 +12,16 @@ const FINEST_NM: f64 = 1.0;
 
 /// A maximum counts when its prominence is this part of the curve's whole range: noise does not.
 const PROMINENCE: f64 = 0.01;
+
+/// Where a curve comes from, and so what its small bumps are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Every sample is what it is: nothing is smoothed, which would turn narrow fringes over.
+    Computed,
+    /// With a spectrometer's noise, which is taken out: means over a nanometre, then the middle value of the parabola fitted within 10 nm
+    /// on either side.
+    Measured,
+}
 
 /// A maximum that stands out.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,8 +115,12 @@ impl Peak {
 /// All peaks of a curve from short to long wavelengths, those at its ends among them. Half levels are half-way to the
 /// lowest value within `range_nm`, or of the whole curve.
 #[must_use]
-pub fn peaks(curve: &Spectrum, range_nm: Option<[f64; 2]>) -> Vec<Peak> {
-    let points = smoothed(curve.wavelengths().nm(), curve.values());
+pub fn peaks(curve: &Spectrum, origin: Origin, range_nm: Option<[f64; 2]>) -> Vec<Peak> {
+    let (nm, values) = (curve.wavelengths().nm(), curve.values());
+    let points = match origin {
+        Origin::Computed => nm.iter().zip(values).map(|(&nm, &value)| [nm, value]).collect(),
+        Origin::Measured => smoothed(nm, values),
+    };
     let [whole, inner] = [None, range_nm].map(|range| extent(&points, range));
     let least = PROMINENCE * (whole[1] - whole[0]);
     let falls = falls(&points);
@@ -192,7 +206,7 @@ fn falls(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// The top of a maximum: of a plateau its middle, of an end the end, else the vertex of the parabola through the
-/// highest point and its neighbours.
+/// highest point and its neighbours, as far as the curve bends like one beyond them: beside an edge it is flat.
 fn top(points: &[[f64; 2]], first: usize, last: usize) -> [f64; 2] {
     if first == 0 || last + 1 == points.len() {
         return points[if first == 0 { 0 } else { last }];
@@ -200,13 +214,19 @@ fn top(points: &[[f64; 2]], first: usize, last: usize) -> [f64; 2] {
     if first != last {
         return [0.5 * (points[first][0] + points[last][0]), points[first][1]];
     }
-    let [[x0, y0], [x1, y1], [x2, y2]] = [points[first - 1], points[first], points[first + 1]];
+    let ([slope, bend], [x, y]) = (parabola(&points[first - 1..]), points[first]);
+    let shift = -0.5 * slope / bend;
+    let towards = if shift > 0.0 { Some(first) } else { first.checked_sub(2) };
+    let beside = towards.and_then(|from| points.get(from..from + 3)).map_or(bend, |three| parabola(three)[1]);
+    [x + shift, y + 0.5 * slope * shift * (beside / bend).clamp(0.0, 1.0)]
+}
+
+/// The slope at the second of the first three points of the parabola through them, and half its second derivative.
+fn parabola(points: &[[f64; 2]]) -> [f64; 2] {
+    let [[x0, y0], [x1, y1], [x2, y2]] = [points[0], points[1], points[2]];
     let (left, right) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
     let bend = (right - left) / (x2 - x0);
-    // The slope of the parabola at x1.
-    let slope = left + bend * (x1 - x0);
-    let shift = -0.5 * slope / bend;
-    [x1 + shift, y1 + 0.5 * slope * shift]
+    [left + bend * (x1 - x0), bend]
 }
 
 fn half_width(points: &[[f64; 2]], top: usize, level: f64) -> HalfWidth {
@@ -231,7 +251,7 @@ fn half_width(points: &[[f64; 2]], top: usize, level: f64) -> HalfWidth {
     HalfWidth { level, sides: [left, right] }
 }
 
-/// (nm, reflectance), rising, with the noise of finely sampled spectra taken out: means over [`FINEST_NM`], then the
+/// (nm, reflectance), rising, with the noise of finely sampled measurements taken out: means over [`FINEST_NM`], then the
 /// middle value of the parabola fitted within [`SMOOTHING_NM`] on either side.
 fn smoothed(nm: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
     let points = binned(nm, values);

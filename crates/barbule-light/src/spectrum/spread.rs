@@ -4,7 +4,7 @@ use crate::math::student::interval_95;
 
 use super::Spectrum;
 use super::look::Look;
-use super::peaks::Peak;
+use super::peaks::{Origin, Peak};
 
 /// Mean and standard deviation of a number over individuals.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,11 +72,11 @@ const SAME_PEAK: f64 = 0.15;
 impl Spread {
     /// Over individuals, of each the peak that is nearest to `peak`, the mean curve's; none of fewer than two.
     #[must_use]
-    pub fn of(individuals: &[Spectrum], peak: Option<Peak>) -> Option<Self> {
+    pub fn of(individuals: &[Spectrum], origin: Origin, peak: Option<Peak>) -> Option<Self> {
         if individuals.len() < 2 {
             return None;
         }
-        let looks: Vec<Look> = individuals.iter().map(Look::of).collect();
+        let looks: Vec<Look> = individuals.iter().map(|one| Look::with_peak_in(one, origin, None)).collect();
         let peaks: Vec<Peak> = peak.map_or_else(Vec::new, |mean| {
             let far = |peak: &Peak| libm::log(peak.nm / mean.nm).abs();
             let nearest = |look: &Look| {
@@ -121,7 +121,7 @@ mod tests {
         };
         let all = [bell(530.0), bell(540.0), bell(550.0)];
         let peak = Look::of(&all[1]).peaks.iter().copied().find(|p| p.nm > 500.0).unwrap();
-        let spread = Spread::of(&all, Some(peak)).unwrap();
+        let spread = Spread::of(&all, Origin::Computed, Some(peak)).unwrap();
         let moments = spread.peak_nm.unwrap();
         assert!((moments.mean - 540.0).abs() < 0.2 && (moments.std - 10.0).abs() < 0.2, "{moments:?}");
         // t of 2 degrees of freedom is 4.303.
@@ -130,8 +130,8 @@ mod tests {
             "{}",
             moments.half_width()
         );
-        assert_eq!(Spread::of(&all[..1], Some(peak)), None);
-        assert_eq!(Spread::of(&all, None).unwrap().peak_nm, None);
+        assert_eq!(Spread::of(&all[..1], Origin::Computed, Some(peak)), None);
+        assert_eq!(Spread::of(&all, Origin::Computed, None).unwrap().peak_nm, None);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use barbule::Result;
 use barbule::spectrum::colour::{display, matching, rgb_from_xyz};
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 
 use super::sight::Sight;
 use super::{Curves, Viewer};
@@ -49,7 +50,7 @@ pub fn along_angles(curves: &Curves, viewer: &Viewer) -> Result<Vec<AngleSeen>> 
     let spectra = order.iter().map(|row| curves.spectrum(*row)).collect::<Result<Vec<_>>>()?;
     let angles: Vec<f64> = order.iter().map(|row| curves.angle[*row]).collect();
     let degrees: Vec<f64> = angles.iter().map(|angle| angle.to_degrees()).collect();
-    let looks = Look::series(&degrees, &spectra, None);
+    let looks = Look::series(&degrees, &spectra, Origin::Computed, None);
     let each = spectra.iter().zip(looks).zip(reaches(&angles)).zip(&angles);
     each.map(|(((spectrum, look), reach), angle)| {
         let sight = viewer.sees(spectrum)?;

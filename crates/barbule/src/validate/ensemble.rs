@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::numbers::{Case, Comparison, Incidence, tells_colours};
 use super::spread::Spread;
-use crate::spectrum::peaks::{highest, peaks};
+use crate::spectrum::peaks::{Origin, highest, peaks};
 use crate::spectrum::{Spectrum, Wavelengths};
 use crate::structure::Ends;
 use crate::{Error, Result};
@@ -111,7 +111,7 @@ impl Ensemble {
             return None;
         }
         let spectrum = Spectrum::new(self.wavelengths.clone(), found.reflected(side)).ok()?;
-        highest(&peaks(&spectrum, None), None).map(|peak| peak.nm)
+        highest(&peaks(&spectrum, Origin::Computed, None), None).map(|peak| peak.nm)
     }
 
     /// Everything but the patterns: of one individual its numbers, of several means and spreads, and the numbers of each.

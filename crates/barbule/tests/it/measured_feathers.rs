@@ -13,7 +13,7 @@ use barbule::scattering::far_field::{Illumination, Polarization, Window};
 use barbule::solve::crystal::{Multipole, sweep};
 use barbule::solve::surface::{Accuracy, far_field};
 use barbule::spectrum::colour::{Observer, decode, encode};
-use barbule::spectrum::peaks::{Peak, highest, peaks};
+use barbule::spectrum::peaks::{Origin, Peak, highest, peaks};
 use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::stack::Stack;
 use barbule::structure::{Lattice, SpeciesModel, Structure};
@@ -93,11 +93,11 @@ fn individuals(structure: &Structure, at: &Wavelengths, instances: usize) -> Spe
 }
 
 fn inner(curve: &Spectrum) -> Vec<Peak> {
-    peaks(curve, None).into_iter().filter(|peak| !peak.at_end).collect()
+    peaks(curve, Origin::Computed, None).into_iter().filter(|peak| !peak.at_end).collect()
 }
 
 fn top(curve: &Spectrum) -> Peak {
-    highest(&peaks(curve, None), None).unwrap()
+    highest(&peaks(curve, Origin::Computed, None), None).unwrap()
 }
 
 fn turned(curve: &Spectrum) -> Spectrum {
@@ -186,7 +186,7 @@ fn a_films_peak_falls_nearly_linearly_with_the_angle_between_light_and_viewer() 
     let half: Vec<f64> = elevations.iter().map(|e| 0.5 * e).collect();
     let found: Vec<f64> = stack("air/keratin:643/air", &at, &half)
         .iter()
-        .map(|curve| highest(&peaks(curve, None), Some([400.0, 470.0])).unwrap().nm)
+        .map(|curve| highest(&peaks(curve, Origin::Computed, None), Some([400.0, 470.0])).unwrap().nm)
         .collect();
     let [a, b] = line(&elevations, &found);
     let off = elevations.iter().zip(&found).map(|(e, nm)| (nm - a - b * e).abs()).fold(0.0, f64::max);

@@ -13,6 +13,7 @@ use barbule::scattering::far_field::Polarization;
 use barbule::scene::description::SceneDescription;
 use barbule::spectrum::angle_law::{AngleLaw, FEWEST_ANGLES};
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 use barbule::structure::{FLAT_WIDTH_UM, Structure};
 use barbule::{Error, Result, figures, reading};
 use serde_json::{Value, json};
@@ -219,7 +220,8 @@ impl Args {
         if asked.measured?.angles.len() < FEWEST_ANGLES {
             return None;
         }
-        let looks = Look::series(&angles, &means, self.peak.within(&self.wavelengths).ok()?);
+        let looks =
+            Look::series(&angles, &means, Origin::Measured, self.peak.within(&self.wavelengths).ok()?);
         let peaks = angles.iter().zip(&looks);
         let peaks: Vec<_> =
             peaks.filter_map(|(angle, look)| Some((angle.to_radians(), look.peak?.nm))).collect();

@@ -12,6 +12,7 @@ use barbule::solve::core_fringes::CoreFringes;
 use barbule::solve::surface::LARGEST_MIRROR_ERROR;
 use barbule::spectrum::comparison::Comparison;
 use barbule::spectrum::look::Look;
+use barbule::spectrum::peaks::Origin;
 use serde_json::{Value, json};
 
 use super::instrument::{Row, front};
@@ -186,7 +187,7 @@ impl Args {
                     "wavelength_nm": measured.mean.wavelengths().nm(),
                     "mean": measured.mean.values(),
                     "std": measured.std,
-                    "look": Look::with_peak_in(&measured.mean, peak_range),
+                    "look": Look::with_peak_in(&measured.mean, Origin::Measured, peak_range),
                 })
             };
             document["measured"] = match &measured.angles[..] {
