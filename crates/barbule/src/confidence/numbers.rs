@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use crate::math::normal;
+use crate::math::student::interval_95;
 use crate::spectrum::Spectrum;
 use crate::spectrum::colour::D65_WHITE;
 use crate::spectrum::difference::{delta_e_2000, lab};
@@ -134,6 +135,27 @@ fn parts_by_name<S: Serializer>(all: &[Part], serializer: S) -> Result<S::Ok, S:
     map.end()
 }
 
+/// What intervals of few individuals are wider by than percentiles of means of individuals that are drawn again.
+struct Few {
+    /// Means of n drawn from the same n vary by their variance's n−1 of n alone.
+    drawn: f64,
+    /// How much they vary is not known well itself: Student's t over a normal distribution's.
+    unknown: f64,
+}
+
+impl Few {
+    fn of(individuals: usize) -> Self {
+        if individuals < 2 {
+            return Self { drawn: 1.0, unknown: 1.0 };
+        }
+        let others = (individuals - 1) as f64;
+        Self {
+            drawn: (individuals as f64 / others).sqrt(),
+            unknown: interval_95(others) / normal::quantile(0.975),
+        }
+    }
+}
+
 impl Known {
     /// Of the mean's numbers, those of the drawn means, and those of the curves with an input moved up and down; none where the
     /// mean has no such number, or where it is lost in more than a tenth of the draws.
@@ -157,10 +179,13 @@ impl Known {
             all[below] + rest * (all[(below + 1).min(all.len() - 1)] - all[below])
         };
         let is_distance = which == DELTA_E;
+        let few = Few::of(individuals);
         let [down, up] = match (all.is_empty(), is_distance) {
             (true, _) => [0.0; 2],
-            (_, true) => [0.0, quantile(0.95)],
-            (_, false) => [value - quantile(0.025), quantile(0.975) - value].map(|side| side.max(0.0)),
+            (_, true) => [0.0, few.drawn * quantile(0.95)],
+            (_, false) => {
+                [value - quantile(0.025), quantile(0.975) - value].map(|side| few.drawn * side.max(0.0))
+            }
         };
         let parts: Vec<Part> = names
             .iter()
@@ -183,8 +208,9 @@ impl Known {
         let deviation = || {
             let count = all.len() as f64;
             let centre = all.iter().sum::<f64>() / count;
-            (all.iter().map(|v| (v - centre) * (v - centre)).sum::<f64>() / (count - 1.0)).sqrt()
+            few.drawn * (all.iter().map(|v| (v - centre) * (v - centre)).sum::<f64>() / (count - 1.0)).sqrt()
         };
+        let [down, up] = [down, up].map(|side| few.unknown * side);
         Some(Self {
             name: NAMES[which],
             value,
