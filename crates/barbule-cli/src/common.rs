@@ -1,5 +1,6 @@
 //! What every command shares: flags, exit codes, machine output.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -71,6 +72,7 @@ impl Common {
     /// A `--medium` is not NAME=FILE, its name cannot be one, or its table cannot be read.
     pub(crate) fn opening(&self) -> Result<Opening> {
         let mut media = Media::default();
+        let mut names = BTreeSet::new();
         for given in &self.medium {
             let (name, file) =
                 given.split_once('=').filter(|(_, file)| !file.is_empty()).ok_or_else(|| {
@@ -79,6 +81,12 @@ impl Common {
                         shortened(given)
                     ))
                 })?;
+            if !names.insert(name.trim()) {
+                return Err(Error::input(format!(
+                    "--medium {}: is given twice; give one table for each name",
+                    shortened(name.trim())
+                )));
+            }
             media.add(name.trim(), file.as_ref())?;
         }
         Ok(Opening { media, catalog: catalog(self), seed: self.seed, ..Opening::default() })

@@ -4,6 +4,7 @@ use std::io::Write;
 
 use barbule::{Error, Result};
 
+use crate::common::Common;
 use crate::complete::{SHELLS, VARIABLE};
 
 /// Arguments of `barbule completions`.
@@ -18,6 +19,8 @@ pub(crate) struct Args {
     /// The shell
     #[arg(value_parser = ["bash", "elvish", "fish", "powershell", "zsh"])]
     shell: String,
+    #[command(flatten)]
+    common: Common,
 }
 
 impl Args {
@@ -26,6 +29,9 @@ impl Args {
         let Some(shell) = SHELLS.completer(&self.shell) else {
             return Err(Error::input(format!("there are no completions for {}", self.shell)));
         };
+        if self.common.json {
+            self.common.idle("--json", "a shell reads its script as it is");
+        }
         shell.write_registration(VARIABLE, "barbule", "barbule", "barbule", out).map_err(failed)
     }
 }

@@ -29,6 +29,10 @@ const FIELD_CELLS_PER_UM: f64 = 200.0;
 const FIELD_ABOVE_UM: f64 = 0.15;
 const PANEL_HEIGHT: f64 = 420.0;
 
+/// Wavelength and φ_i of a point or a field where nothing is said.
+const USUAL_WAVELENGTH_NM: f64 = 550.0;
+const USUAL_PHI_DEG: f64 = 0.0;
+
 /// Cosine of the angle from the normal below which a pulse takes over a minute.
 const NEAR_THE_HORIZON: f64 = 0.035;
 
@@ -40,18 +44,17 @@ const NEAR_THE_HORIZON: f64 = 0.035;
 pub(crate) struct Args {
     /// mallard, magpie or peafowl[:VARIANT], a species .toml of a crystal, or a lattice in TOML or JSON
     structure: String,
-    /// Wavelength in nm
-    #[arg(long, value_name = "NM", default_value = "550",
-        value_parser = |text: &str| sets::wavelength("--wavelength", text))]
-    wavelength: f64,
+    /// Wavelength in nm [default: 550]
+    #[arg(long, value_name = "NM", value_parser = |text: &str| sets::wavelength("--wavelength", text))]
+    wavelength: Option<f64>,
     /// Longitudinal angle of incidence in degrees
     #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angle("--theta", text))]
     theta: f64,
-    /// Azimuth of incidence in degrees
-    #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
+    /// Azimuth of incidence in degrees [default: 0]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angle("--phi", text))]
-    phi: f64,
+    phi: Option<f64>,
     /// How it is solved
     #[arg(long, value_enum, default_value_t = Method::Multipole)]
     solver: Method,
@@ -99,15 +102,23 @@ impl Args {
         }
         let lattice = structure_arg::lattice(&self.structure, &self.common)?;
         let incidence = Incidence {
-            wavelength_nm: self.wavelength,
+            wavelength_nm: self.wavelength_nm(),
             theta_i: self.theta.to_radians(),
-            phi_i: self.phi.to_radians(),
+            phi_i: self.phi_deg().to_radians(),
         };
         match self.figure.path() {
             Some(path) if self.map => self.draw_map(out, path, &lattice, incidence.theta_i),
             Some(path) => self.draw_field(out, path, &lattice, &incidence),
             None => self.point(out, &lattice, &incidence),
         }
+    }
+
+    fn wavelength_nm(&self) -> f64 {
+        self.wavelength.unwrap_or(USUAL_WAVELENGTH_NM)
+    }
+
+    fn phi_deg(&self) -> f64 {
+        self.phi.unwrap_or(USUAL_PHI_DEG)
     }
 
     fn point(&self, out: &mut dyn Write, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
@@ -125,6 +136,14 @@ impl Args {
     fn draw_map(&self, out: &mut dyn Write, path: &Path, lattice: &Lattice, theta_i: f64) -> Result<()> {
         if self.solver == Method::Fdtd {
             return Err(Error::input("a map takes thousands of points; use --solver multipole or rcwa"));
+        }
+        for (flag, given, why) in [
+            ("--wavelength", self.wavelength, "a map is of many wavelengths; give --wavelengths"),
+            ("--phi", self.phi, "a map is of all φ_i"),
+        ] {
+            if given.is_some() {
+                self.common.idle(flag, why);
+            }
         }
         let at = &self.wavelengths;
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
@@ -200,7 +219,7 @@ impl Args {
             panel(title(1), "|E|²/|E_i|²", &field.intensity[1]),
         ];
         let name = figures::heading(&self.structure);
-        let (nm, theta, phi) = (self.wavelength, self.theta, self.phi);
+        let (nm, theta, phi) = (self.wavelength_nm(), self.theta, self.phi_deg());
         let usual = format!("{name}, {nm} nm, θ_i = {theta}°, φ_i = {phi}°");
         let drawing = abreast(&self.figure.title(usual), &panels, &self.figure.page()?);
         Provenance::new(&self.common).write_figure(path, &drawing)?;
@@ -212,9 +231,9 @@ impl Args {
     fn field_document(&self, field: &NearField) -> Value {
         let rows = |values: &[f64]| json!(values.chunks_exact(field.columns).collect::<Vec<_>>());
         json!({
-            "wavelength_nm": self.wavelength,
+            "wavelength_nm": self.wavelength_nm(),
             "theta_deg": self.theta,
-            "phi_deg": self.phi,
+            "phi_deg": self.phi_deg(),
             "period_um": field.period_um,
             "top_um": field.top_um,
             "bottom_um": field.bottom_um,

@@ -21,9 +21,9 @@ use barbule::spectrum::{Spectrum, Wavelengths};
 use barbule::structure::Heightfield;
 use barbule::{DVec3, Error, Result};
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use crate::common::{Common, LEAST_MEMORY, duration, print, print_json};
+use crate::common::{Common, LEAST_MEMORY, duration, path_json, print, print_json};
 use crate::figure::FigureArgs;
 use crate::heights_arg::HeightsArgs;
 use crate::progress::Terminal;
@@ -188,14 +188,16 @@ impl Args {
         self.say_if_coarse(&field, &at);
         check_patch(field.size_um(), &setup, &at)?;
         self.check_memory(&field, &setup, &at)?;
-        if let Some(path) = stored {
-            self.store(path, &field, &name, &setup, &at)?;
+        let tables = stored.map(|path| self.store(path, &field, &name, &setup, &at)).transpose()?;
+        if let (Some(wi), Some(wo)) = (self.wi, self.wo) {
+            return self.values(&field, &name, &setup, &at, [wi, wo], out);
         }
-        match (self.wi, self.wo) {
-            (Some(wi), Some(wo)) => self.values(&field, &name, &setup, &at, [wi, wo], out),
-            _ if stored.is_none() => self.draw(&field, &name, &setup, &at),
-            _ => Ok(()),
-        }
+        let document = match (tables, self.figure.path()) {
+            (Some(tables), _) => tables,
+            (None, Some(path)) => self.draw(path, &field, &name, &setup, &at)?,
+            (None, None) => return Err(self.nothing_to_do()),
+        };
+        if self.common.json { print_json(out, &document) } else { Ok(()) }
     }
 
     /// What is to be given, and at once what the file of heights lacks.
@@ -283,6 +285,7 @@ impl Args {
         }
     }
 
+    /// Writes tables and powers; gives what is told of them to machines.
     fn store(
         &self,
         path: &Path,
@@ -290,14 +293,20 @@ impl Args {
         name: &str,
         setup: &Setup,
         at: &Wavelengths,
-    ) -> Result<()> {
+    ) -> Result<Value> {
         let tables = self.builder(field, setup, at)?.tables(&Terminal::new(&self.common))?;
         let powers = self.powers(field, setup, at)?;
         let provenance = Provenance::new(&self.common).json();
         let shown = words(&tables, &powers);
+        let document = json!({
+            "heights": name,
+            "file": path_json(path),
+            "tables": tables.basis().count(),
+            "orders": powers.orders().counts(),
+        });
         write_grating(path, &GratingFile { name: name.into(), tables, powers, provenance })?;
         self.common.wrote(path, &format!("{name}, {shown}"));
-        Ok(())
+        Ok(document)
     }
 
     fn powers(&self, field: &Heightfield, setup: &Setup, at: &Wavelengths) -> Result<Powers> {
@@ -306,8 +315,15 @@ impl Args {
         Amplitudes::new(field, &anywhere, Reach::of(setup, at), Series::Chebyshev, &progress)?.powers()
     }
 
-    fn draw(&self, field: &Heightfield, name: &str, setup: &Setup, at: &Wavelengths) -> Result<()> {
-        let Some(path) = self.figure.path() else { return Ok(()) };
+    /// Draws the pictures; gives what is told of them to machines.
+    fn draw(
+        &self,
+        path: &Path,
+        field: &Heightfield,
+        name: &str,
+        setup: &Setup,
+        at: &Wavelengths,
+    ) -> Result<Value> {
         let page = self.figure.page()?;
         let progress = Terminal::new(&self.common);
         let tables = self.builder(field, setup, at)?.tables(&progress)?;
@@ -329,7 +345,13 @@ impl Args {
                 errors.mean_delta_e
             ),
         );
-        Ok(())
+        Ok(json!({
+            "heights": name,
+            "file": path_json(path),
+            "tables": tables.basis().count(),
+            "largest_of_peak": errors.largest_of_peak,
+            "mean_delta_e": errors.mean_delta_e,
+        }))
     }
 
     /// Values between two directions.

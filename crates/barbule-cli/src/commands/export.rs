@@ -59,6 +59,9 @@ impl Args {
         self.common.start_threads()?;
         check_writable(&self.output)?;
         let most_bytes = self.most_bytes()?;
+        if !self.without.is_empty() && !matches!(self.to, Format::Mitsuba | Format::Pbrt) {
+            self.common.idle("--without", "only scenes of mitsuba and pbrt have parts to leave out");
+        }
         let provenance = Provenance::new(&self.common).with("exported", &self.what);
         let request = |notes: &[(&str, &str)], source: Source<'_>| {
             let progress = Terminal::new(&self.common);

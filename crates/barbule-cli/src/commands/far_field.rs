@@ -9,7 +9,7 @@ use barbule::clock;
 use barbule::figures;
 use barbule::scattering::far_field::{Illumination, Window};
 use barbule::solve::far_fields::{
-    ELEMENTS_PER_WAVELENGTH, Illuminations, Method, Prepared, Scattered, Settings, bytes,
+    ELEMENTS, ELEMENTS_PER_WAVELENGTH, Illuminations, Method, Prepared, Scattered, Settings, bytes,
 };
 use barbule::solve::surface::{LARGEST_MIRROR_ERROR, mirror_fraction};
 use barbule::solve::{FAST, METHODS, method};
@@ -77,9 +77,9 @@ pub(crate) struct Args {
     /// How the light falls on the section
     #[arg(long, value_enum, default_value_t = WindowArg::Gaussian)]
     window: WindowArg,
-    /// Of full waves: nodes per wavelength in the denser medium at each boundary
-    #[arg(long, value_name = "N", default_value_t = ELEMENTS_PER_WAVELENGTH, value_parser = elements)]
-    elements: f64,
+    /// Of full waves: nodes per wavelength in the denser medium at each boundary [default: 10]
+    #[arg(long, value_name = "N", value_parser = elements)]
+    elements: Option<f64>,
     #[command(flatten)]
     figure: FigureArgs,
     /// Write a table, one row for each outgoing azimuth
@@ -91,8 +91,9 @@ pub(crate) struct Args {
 
 /// Nodes per wavelength that make sense.
 pub(super) fn elements(text: &str) -> std::result::Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|elements| (4.0..=200.0).contains(elements));
-    number.ok_or_else(|| format!("{text} is not a number of nodes per wavelength from 4 to 200"))
+    let number = text.parse::<f64>().ok().filter(|elements| ELEMENTS.contains(elements));
+    let [least, most] = [ELEMENTS.start(), ELEMENTS.end()];
+    number.ok_or_else(|| format!("{text} is not a number of nodes per wavelength from {least} to {most}"))
 }
 
 /// Vacuum wavelengths in nm, rising.
@@ -158,6 +159,9 @@ impl Args {
                 self.solver.noun
             )));
         }
+        if self.elements.is_some() && !self.solver.is_exact {
+            self.common.idle("--elements", "it is of full waves; give --solver full-wave");
+        }
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
         if self.figure.output.is_some() {
@@ -219,7 +223,7 @@ impl Args {
 
     fn settings(&self) -> Settings {
         Settings {
-            elements_per_wavelength: self.elements,
+            elements_per_wavelength: self.elements.unwrap_or(ELEMENTS_PER_WAVELENGTH),
             memory_bytes: self.common.allowance().bytes,
             clock: clock::system,
         }

@@ -31,6 +31,9 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         if self.markdown {
+            if self.common.json {
+                self.common.idle("--json", "a page of Markdown is asked for; leave --markdown out");
+            }
             return print(out, page().trim_end());
         }
         let Some(kind) = &self.kind else {

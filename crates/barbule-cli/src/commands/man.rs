@@ -10,7 +10,7 @@ use barbule::{Error, Result};
 use clap_mangen::Man;
 use serde_json::json;
 
-use crate::common::{Common, print, print_json};
+use crate::common::{Common, path_json, print, print_json};
 
 /// The manual's section for programs.
 const SECTION: &str = "1";
@@ -71,6 +71,10 @@ impl Args {
             count => format!("{count} pages"),
         };
         self.common.wrote(folder, &format!("{count} of the manual"));
+        if self.common.json {
+            let files: Vec<_> = files.iter().map(|(path, _)| path_json(path)).collect();
+            return print_json(out, &json!({ "files": files }));
+        }
         Ok(())
     }
 

@@ -32,7 +32,7 @@ use barbule::scene::description::{
     ToneWord, USUAL_ARC_DEG, Under, ViewModel, WhiteBalance,
 };
 use barbule::scene::preset;
-use barbule::{Error, Result};
+use barbule::{Error, Result, fields};
 
 use self::checkpoints::Checkpoints;
 use self::flags::Seer;
@@ -53,7 +53,7 @@ pub(crate) struct Args {
     /// The picture: .png, .jpg, .webp or .exr
     #[arg(short, long, value_name = "FILE", required_unless_present_any = ["toml", "list"])]
     output: Option<PathBuf>,
-    /// Print the scene as a file to start from, and draw nothing
+    /// Print the scene as a file to start from, and draw nothing. With --json as JSON
     #[arg(long, conflicts_with = "output")]
     toml: bool,
     /// The scene by another of its models: peacock has film-2005 (as a picture of 2005 had it), film (thin films on every barbule) and
@@ -148,6 +148,10 @@ pub(crate) struct Args {
 /// The usual sensor.
 const HUMAN: &str = "human";
 
+/// Why nothing of a scene wears another material.
+const NO_CLOTHES: &str =
+    "the scene begins with no feather whose barbules wear a material; change its file, which --toml prints";
+
 /// What of a scene takes less memory.
 const SMALLER: &str =
     "smaller meshes, curves or pictures, or a smaller window or a coarser detail.level of a feather";
@@ -161,14 +165,15 @@ impl Args {
         let terminal = Terminal::new(&self.common).writing_nothing();
         let (description, is_changed) = self.description()?;
         drop(terminal);
+        let size = self.size.or(description.size).unwrap_or([1280, 800]);
+        check_size(size)?;
         if self.toml {
             return self.print_toml(description, is_changed, out);
         }
-        let size = self.size.or(description.size).unwrap_or([1280, 800]);
         let goal = self.goal()?;
         // What the flags ask for is refused before anything is read or made.
+        self.check_moves()?;
         self.frame_descriptions(&description)?;
-        check_size(size)?;
         let own = self.own_frames(description.exposure)?;
         let files: Vec<PathBuf> = own.clone().map(|frame| self.file(frame)).collect();
         let check = |flag: &str, file: &Path| {
@@ -263,6 +268,7 @@ impl Args {
     fn description(&self) -> Result<(SceneDescription, bool)> {
         let mut description = scene_arg::parse(&self.drawn()?, &self.common)?;
         let original = description.clone();
+        self.say_undressed(&mut description);
         if let Some(material) = &self.material {
             description.set_material(material);
         }
@@ -324,6 +330,19 @@ impl Args {
         Ok((description, is_changed))
     }
 
+    /// Says which flags find no barbules or barbs that they would change.
+    fn say_undressed(&self, description: &mut SceneDescription) {
+        let is_dressed = description.dress_mut().is_some_and(|dress| dress.material().is_some());
+        for (flag, is_given) in [("--material", self.material.is_some()), ("--under", self.under.is_some())] {
+            if is_given && !is_dressed {
+                self.common.idle(flag, NO_CLOTHES);
+            }
+        }
+        if self.view_model.is_some() && description.detail_mut().is_none() {
+            self.common.idle("--view-model", "the scene has no feather, and so no barbs");
+        }
+    }
+
     /// What is drawn.
     fn scene(&self) -> &str {
         self.scene.as_deref().unwrap_or_default()
@@ -348,11 +367,40 @@ impl Args {
         Path::new(self.scene()).with_file_name("")
     }
 
-    /// Prints a preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen
-    /// from here.
-    fn print_toml(&self, mut scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
+    /// Prints the scene as a file, and says which flags it does not hold.
+    fn print_toml(&self, scene: SceneDescription, is_changed: bool, out: &mut dyn Write) -> Result<()> {
+        let of_drawing = [
+            ("--samples", self.samples.is_some()),
+            ("--quality", self.quality.is_some()),
+            ("--time", self.time.is_some()),
+            ("--noise", self.noise.is_some()),
+            ("--denoise", self.denoise.is_some()),
+            ("--false-colour", self.false_colour.is_some()),
+            ("--human", self.human.is_some()),
+            ("--spectral", self.spectral.is_some()),
+            ("--keep-gamut", self.keep_gamut),
+            ("--frames", self.frames != 1),
+            ("--shard", self.shard.is_some()),
+            ("--arc", !self.arc.is_empty()),
+            ("--path", !self.path.is_empty()),
+            ("--preview", self.preview.is_some()),
+            ("--resume", self.resume),
+        ];
+        for (flag, _) in of_drawing.iter().filter(|(_, is_given)| *is_given) {
+            self.common.idle(flag, "--toml prints a scene, which does not say it, and draws nothing");
+        }
+        let text = self.toml_text(scene, is_changed)?;
+        match self.common.json {
+            true => print_json(out, &fields::parse_toml(&text)?),
+            false => print(out, text.trim_end()),
+        }
+    }
+
+    /// A preset's own text, with its comments, or that of the scene that the command line describes, whose files are named as seen from
+    /// here.
+    fn toml_text(&self, mut scene: SceneDescription, is_changed: bool) -> Result<String> {
         if !is_changed && let Ok(text) = preset::toml(&self.drawn()?) {
-            return print(out, text.trim_end());
+            return Ok(text.to_owned());
         }
         let (folder, own) = (self.folder(), self.background.is_some());
         for (_, mut named) in scene.named_mut() {
@@ -361,7 +409,7 @@ impl Args {
                 *file = folder.join(&*file).to_string_lossy().into_owned();
             }
         }
-        print(out, scene.to_toml()?.trim_end())
+        scene.to_toml()
     }
 
     /// The frames that are asked for: one is the scene itself.
@@ -396,18 +444,32 @@ impl Args {
         Ok(own.start as u32..own.end as u32)
     }
 
+    /// Refuses what is to be in two places at once, and says where nothing moves.
+    fn check_moves(&self) -> Result<()> {
+        for (index, (moved, _)) in self.path.iter().enumerate() {
+            let mut others = self.path[..index].iter().chain(&self.arc);
+            if others.any(|(other, _)| other == moved) {
+                let word = moved.word();
+                return Err(Error::input(format!(
+                    "--path {word}: a path says where the {word} is in every frame; give one, and no --arc {word} beside it"
+                )));
+            }
+        }
+        if self.frames == 1 && !(self.arc.is_empty() && self.path.is_empty()) {
+            self.common.idle("--arc or --path", "there is one frame; give --frames");
+        }
+        Ok(())
+    }
+
     /// What moves from frame to frame; nothing where there is one.
     fn moves(&self) -> Result<Option<Vec<(Moved, Motion)>>> {
         if !(1..=9999).contains(&self.frames) {
             return Err(Error::input(format!("--frames {}: give 1 to 9999", self.frames)));
         }
-        let mut moves: Vec<(Moved, Motion)> = self.arc.iter().chain(&self.path).cloned().collect();
         if self.frames == 1 {
-            if !moves.is_empty() {
-                self.common.idle("--arc or --path", "there is one frame; give --frames");
-            }
             return Ok(None);
         }
+        let mut moves: Vec<(Moved, Motion)> = self.arc.iter().chain(&self.path).cloned().collect();
         if moves.is_empty() {
             moves.push((Moved::Light, Motion::Arc(USUAL_ARC_DEG)));
         }

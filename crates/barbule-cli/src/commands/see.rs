@@ -25,6 +25,10 @@ use crate::structure_arg::with_advice;
 /// Things that are looked at together.
 const MOST_THINGS: usize = 1000;
 
+/// How structures are simulated where nothing is said: wavelengths in nm, and individuals.
+const USUAL_NM: &str = "300:700:4";
+const USUAL_INSTANCES: usize = 50;
+
 /// Curves that a figure holds.
 const MOST_CURVES: usize = 18;
 
@@ -58,17 +62,16 @@ pub(crate) struct Args {
     /// Every sample of a file by itself, not their mean
     #[arg(long)]
     samples: bool,
-    /// Angle of incidence of structures, degrees, across the barbule
-    #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
+    /// Angle of incidence of structures, degrees, across the barbule [default: 0]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angles("--angle", text))]
-    angle: sets::Angles,
-    /// Random individuals of structures
-    #[arg(long, value_name = "N", default_value_t = 50)]
-    instances: usize,
-    /// Wavelengths of structures in nm (also --wavelength)
-    #[arg(long, alias = "wavelength", value_name = "SET", default_value = "300:700:4",
-        value_parser = sets::wavelength_set)]
-    wavelengths: Wavelengths,
+    angle: Option<sets::Angles>,
+    /// Random individuals of structures [default: 50]
+    #[arg(long, value_name = "N")]
+    instances: Option<usize>,
+    /// Wavelengths of structures in nm (also --wavelength) [default: 300:700:4]
+    #[arg(long, alias = "wavelength", value_name = "SET", value_parser = sets::wavelength_set)]
+    wavelengths: Option<Wavelengths>,
     #[command(flatten)]
     figure: FigureArgs,
     /// Write a table of every pair: its differences
@@ -92,14 +95,9 @@ impl Args {
         self.common.start_threads()?;
         self.figure.check(&self.common)?;
         check_outputs(self.figure.path(), self.csv.as_deref())?;
-        if !(1..=10_000).contains(&self.instances) {
-            return Err(Error::input(format!(
-                "--instances {}: give a number from 1 to 10000",
-                self.instances
-            )));
-        }
+        let simulation = self.simulation()?;
         let view = bird_args::view(self.eye()?, open::light(&self.illuminant)?)?;
-        let things = self.things(&view)?;
+        let things = self.things(&view, &simulation)?;
         let spectra: Vec<Spectrum> = things.iter().map(|thing| thing.reflectance.clone()).collect();
         let compared = view.compare(&spectra).map_err(|(i, error)| error.at(&things[i].name))?;
         let found = Found { delta_e: delta_e(&spectra), things, view, compared };
@@ -129,22 +127,31 @@ impl Args {
         }
     }
 
-    fn things(&self, view: &View) -> Result<Vec<Thing>> {
-        let [angle] = self.angle.0[..] else {
-            return Err(Error::input(format!(
-                "--angle: {} angles; give one, and `barbule spectrum --bird` for several",
-                self.angle.0.len()
-            )));
+    /// How structures are simulated.
+    fn simulation(&self) -> Result<Simulation> {
+        let instances = self.instances.unwrap_or(USUAL_INSTANCES);
+        if !(1..=10_000).contains(&instances) {
+            return Err(Error::input(format!("--instances {instances}: give a number from 1 to 10000")));
+        }
+        let angle = match self.angle.as_ref().map(|angles| &angles.0[..]) {
+            None => 0.0,
+            Some([angle]) => angle.to_radians(),
+            Some(angles) => {
+                return Err(Error::input(format!(
+                    "--angle: {} angles; give one, and `barbule spectrum --bird` for several",
+                    angles.len()
+                )));
+            }
         };
-        let simulation = Simulation {
-            wavelengths: self.wavelengths.clone(),
-            angle: angle.to_radians(),
-            instances: self.instances,
-        };
+        let wavelengths = self.wavelengths.clone().map_or_else(|| sets::wavelength_set(USUAL_NM), Ok)?;
+        Ok(Simulation { wavelengths, angle, instances })
+    }
+
+    fn things(&self, view: &View, simulation: &Simulation) -> Result<Vec<Thing>> {
         let opening = self.common.opening()?;
         let mut things = Vec::new();
         for text in &self.structures {
-            let found = open::things(text, self.samples, &simulation, &opening, &Terminal::new(&self.common))
+            let found = open::things(text, self.samples, simulation, &opening, &Terminal::new(&self.common))
                 .map_err(|error| with_advice(error, text))?;
             if let Some(reading) = found.first().and_then(|thing| thing.reading.as_ref()) {
                 self.common.say(reading);
@@ -163,6 +170,18 @@ impl Args {
         }
         if things.iter().any(|thing| thing.has_guess) {
             self.common.say_guessed();
+        }
+        // What is measured says how it was read.
+        if things.iter().all(|thing| thing.reading.is_some()) {
+            for (flag, is_given) in [
+                ("--angle", self.angle.is_some()),
+                ("--instances", self.instances.is_some()),
+                ("--wavelengths", self.wavelengths.is_some()),
+            ] {
+                if is_given {
+                    self.common.idle(flag, "all that is seen is measured, and no structure simulated");
+                }
+            }
         }
         Ok(things)
     }

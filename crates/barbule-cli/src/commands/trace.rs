@@ -132,6 +132,10 @@ impl Args {
             .map_err(|error| error.in_file(&self.image))?;
         let media: Vec<&str> = found.media.iter().map(String::as_str).collect();
         self.common.say_unused(&self.image.to_string_lossy(), &opening.media.unused(&media));
+        if self.cortex.is_some() && found.traced.kind != Kind::Lattice {
+            self.common
+                .idle("--cortex", "it lies above a lattice, and none is traced; --as lattice traces one");
+        }
         self.write(&found, bar.map(|bar| (&whole, bar)))?;
         found.notes.iter().for_each(|note| self.common.say(note));
         if self.common.json {

@@ -89,7 +89,11 @@ fn things_are_compared_by_noise_in_two_references_and_by_brightness() {
     assert!(table.starts_with("one,other,delta_s,delta_s_rarest,delta_l,delta_e\ngrey,red,"), "{table}");
     let figure = std::fs::read_to_string(folder.path().join("both.svg")).unwrap();
     assert!(figure.contains(">UV<") && figure.contains(">grey<") && figure.contains("reflectance"));
-    let (_, out, _) = run(folder.path(), &words);
+    let idle = ["--angle", "30", "--instances", "5", "--wavelengths", "400:700:10"];
+    let (_, out, said) = run(folder.path(), &[&words[..], &idle].concat());
+    for flag in ["--angle", "--instances", "--wavelengths"] {
+        assert!(said.contains(&format!("{flag} has no effect here: all that is seen is measured")), "{said}");
+    }
     assert!(out.contains("grey – red: ΔS ") && out.contains("of the rarest in brackets"), "{out}");
     // Under another light white is white all the same.
     let forest = document(folder.path(), &["see", "grey.csv", "--bird", "peafowl", "--illuminant", "forest"]);

@@ -112,17 +112,15 @@ fn a_grating_of_ones_own_is_rendered() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let ridges: String = (0..40).map(|i| format!("{} ", 0.1 * f64::from(i % 20) / 20.0)).collect();
     std::fs::write(path("ridges.txt"), ridges).unwrap();
-    let (code, _, said) = command(&[
-        "diffract",
-        &path("ridges.txt"),
-        "--pitch",
-        "0.1",
-        "--size",
-        "21",
-        "-o",
-        &path("ridges.grating"),
-    ]);
-    assert_eq!(code, Some(0), "{said}");
+    let (heights, grating) = (path("ridges.txt"), path("ridges.grating"));
+    let told = document(&["diffract", &heights, "--pitch", "0.1", "--size", "21", "-o", &grating, "--json"]);
+    assert_eq!((told["file"].as_str(), &told["heights"]), (Some(&*grating), &"ridges".into()));
+    assert!(told["tables"].as_u64() > Some(0) && told["orders"].as_array().unwrap().len() == 2, "{told}");
+    let figure = path("blazed.svg");
+    let few = ["--wavelengths", "400:700:50", "--size", "21"];
+    let drawn = document(&[&["diffract", "blazed", "-o", &figure, "--json"], &few[..]].concat());
+    assert_eq!((drawn["file"].as_str(), &drawn["heights"]), (Some(&*figure), &"blazed".into()));
+    assert!(drawn["mean_delta_e"].is_number() && drawn["largest_of_peak"].is_number(), "{drawn}");
     let scene = "preset = 'starling'\nshows_feather = false\n[surfaces.disc]\ntype = 'grating'\nfile = 'ridges.grating'\n\
                  pigment = '#402010'\n[[objects]]\nsphere_mm = 0.5\nsurface = 'disc'\n";
     std::fs::write(path("disc.toml"), scene).unwrap();

@@ -77,9 +77,11 @@ fn what_cannot_be_exported_is_said() {
 fn films_are_exported_and_barbules_are_told_where_to_go() {
     let folder = tempfile::tempdir().unwrap();
     for (format, file) in [("gltf", "film.gltf"), ("openpbr", "film.mtlx")] {
-        let words = ["export", "air/keratin:595/air", "--to", format, "-o", file, "--json"];
+        let words =
+            ["export", "air/keratin:595/air", "--to", format, "-o", file, "--json", "--without", "shaft"];
         let (code, out, message) = run_in(folder.path(), &words);
         assert_eq!(code, 0, "{message}");
+        assert!(message.contains("--without has no effect here: only scenes"), "{message}");
         let document: Value = serde_json::from_str(&out).unwrap();
         let angles = document["details"]["angles"].as_array().unwrap();
         assert_eq!(angles.len(), 6);

@@ -129,6 +129,61 @@ fn flags_that_change_nothing_are_said_in_one_line() {
             vec!["geometry", "starling", "--figure-dpi", "300", "-o", &path("a.pdf")],
             "--figure-dpi has no effect here",
         ),
+        (
+            vec!["render", "snake", "--material", "starling", "--toml"],
+            "--material has no effect here: the scene begins with no feather whose barbules wear a material",
+        ),
+        (
+            vec!["render", "peacock", "--model", "film", "--under", "keratin", "--toml"],
+            "--under has no effect here: the scene begins with no feather",
+        ),
+        (
+            vec!["render", "osprey", "--material", "starling", "--toml"],
+            "--material has no effect here: the scene begins with no feather",
+        ),
+        (vec!["render", "starling", "--material", "magpie", "--under", "keratin", "--toml"], ""),
+        (
+            vec!["render", "diffraction-bench", "--view-model", "fibre", "--toml"],
+            "--view-model has no effect here: the scene has no feather",
+        ),
+        (
+            vec!["render", "starling", "--samples", "4", "--toml"],
+            "--samples has no effect here: --toml prints a scene",
+        ),
+        (vec!["render", "starling", "--frames", "9", "--toml"], "--frames has no effect here"),
+        (vec!["render", "starling", "--denoise", "--toml"], "--denoise has no effect here"),
+        (vec!["render", "starling", "--size", "9x9", "--toml"], ""),
+        (vec!["keys", "--markdown", "--json"], "--json has no effect here: a page of Markdown"),
+        (vec!["completions", "bash", "--json"], "--json has no effect here: a shell reads"),
+        (
+            vec!["crystal", "mallard", "--map", "--wavelengths", "500", "--phi", "3", "-o", &path("c.svg")],
+            "--phi has no effect here: a map is of all φ_i",
+        ),
+        (
+            vec![
+                "crystal",
+                "mallard",
+                "--map",
+                "--wavelengths=500",
+                "--wavelength=500",
+                "-o",
+                &path("c.svg"),
+            ],
+            "--wavelength has no effect here: a map is of many wavelengths",
+        ),
+        (
+            "far-field air/keratin:300/air --wavelength 520 --theta 0 --phi 0 --elements 8"
+                .split(' ')
+                .collect(),
+            "--elements has no effect here: it is of full waves",
+        ),
+        (
+            vec!["species", "starling", "--toml", "--wavelengths", "400:700:10"],
+            "--wavelengths has no effect here: --toml prints the species file",
+        ),
+        (vec!["species", "starling", "--toml", "--bird", "starling"], "--bird has no effect here"),
+        (vec!["species", "starling", "--toml", "--peak-range", "400:500"], "--peak-range has no effect here"),
+        (vec!["species", "starling", "--toml", "--json"], ""),
     ] {
         let Run { code, message } = run(&words);
         assert_eq!(code, 0, "{words:?}: {message}");

@@ -86,9 +86,14 @@ fn a_film_is_found_written_and_simulates_as_the_fitted_curve() {
 fn samples_are_individuals_and_other_orders_are_ranked() {
     let line =
         ["fit-structure", "--measured", STARLING, "--model", "film", "--stack", "air/keratin:?/melanin"];
-    let output = barbule(&line).output().unwrap();
+    let idle = ["--instances", "4", "--plane", "along"];
+    let output = barbule(&[&line[..], &idle].concat()).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    for flag in ["--instances", "--plane"] {
+        assert!(said.contains(&format!("{flag} has no effect here: flat layers")), "{said}");
+    }
     for part in ["1. best: rmse", "thickness_nm", "95 %:", "between samples", "level", "2. "] {
         assert!(text.contains(part), "{part}: {text}");
     }

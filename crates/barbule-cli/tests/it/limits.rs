@@ -137,6 +137,12 @@ fn lower_sides_are_lit_where_there_are_some() {
         assert!((a / b - 1.0).abs() < 1e-5, "{a} {b}");
     }
     assert_eq!(below["structure"], "air/keratin:300/melanin:100/air (below)");
+    // Turned over by its name too, and by both, which is not at all.
+    let by_name = spectrum("air/keratin:300/melanin:100/air (below)", "above");
+    assert_eq!((&by_name["structure"], &by_name["mean"]), (&below["structure"], &below["mean"]));
+    let [twice, never] = ["air/keratin:300/melanin:100/air (below)", "air/keratin:300/melanin:100/air"]
+        .map(|stack| spectrum(stack, if stack.ends_with(')') { "below" } else { "above" }));
+    assert_eq!((&twice["structure"], &twice["mean"]), (&never["structure"], &never["mean"]));
     let words =
         ["far-field", "starling", "--side", "below", "--wavelength", "500", "--theta", "0", "--phi", "20"];
     let (code, out, message) = run(&words);

@@ -81,4 +81,7 @@ fn one_page_goes_to_standard_output_or_a_folder() {
     assert!(code == 0 && out.is_empty());
     let written: Vec<_> = std::fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(written, ["barbule-render.1"]);
+    let (_, json, _) = run(&["man", "render", "-o", at, "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert!(json["files"][0].as_str().unwrap().ends_with("barbule-render.1"), "{json}");
 }

@@ -32,6 +32,9 @@ fn the_list_of_presets_says_what_each_shows() {
         let (code, toml, _) = render(folder.path(), &[name, "--toml"]);
         assert!(code == Some(0) && toml.starts_with('#'), "{name}");
     }
+    let (_, json, _) = render(folder.path(), &["starling", "--toml", "--json"]);
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert!(json["camera"]["width_mm"].is_number() && json["light"].is_object(), "{json}");
     assert_eq!(render(folder.path(), &["--list", "starling"]).0, Some(2));
     assert_eq!(render(folder.path(), &["-o", "a.png"]).0, Some(2));
 }

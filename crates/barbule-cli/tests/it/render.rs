@@ -20,9 +20,12 @@ const QUICK: &[&str] = &["--material", MADE_UP, "--size", "48x30", "--samples", 
 #[test]
 fn a_picture_is_a_png_that_says_where_it_comes_from() {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = [&["starling", "-o", "s.png", "--json", "--light=60,45", "--seed", "7"], QUICK].concat();
+    let words = ["starling", "-o", "s.png", "--json", "--light=60,45", "--seed", "7", "--arc", "light=30"];
+    let arguments = [&words[..], QUICK].concat();
     let output = barbule(folder.path(), &arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    assert_eq!(said.matches("--arc or --path has no effect here: there is one frame").count(), 1, "{said}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let barbs = report[0]["barbs"].as_u64().unwrap();
     let barbules = report[0]["barbules"].as_u64().unwrap();
@@ -577,6 +580,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
         (&["starling", "-o", "x.png", "--frames", "3", "--arc", "light=9999"], "at most 3600"),
         (&["starling", "-o", "x.png", "--frames", "3", "--path", "light=3,50"], "two points"),
         (&["starling", "-o", "x.png", "--exposure", "-200"], "--exposure -200: give a factor"),
+        (&["starling", "-o", "x.png", "--exposure", "+21"], "--exposure +21: give a factor"),
         (&["starling", "-o", "x.png", "--background", "#12"], "as in #20406a"),
         (&["starling", "-o", "x.png", "--background", "none.png"], "no such file"),
         (&["starling", "-o", "x.png", "--spectral", "500"], "end the name with .exr"),

@@ -104,8 +104,10 @@ fn traced_layers_reflect_what_those_that_were_drawn_do_and_the_bar_gives_their_s
     println!("layers: relative L1 {off}");
     assert!(off < 0.02, "relative L1 {off}");
     // The outlines themselves, as a section, are opened too.
-    let (code, _, message) = run(&["trace", &image, "--scale", "0.2um=bar", "-o", &section]);
+    let (code, _, message) =
+        run(&["trace", &image, "--scale", "0.2um=bar", "-o", &section, "--cortex", "90"]);
     assert!(code == 0 && message.contains("scale bar found: 100.0 px"), "{message}");
+    assert!(message.contains("--cortex has no effect here"), "{message}");
     let traced = json(&["geometry", &section, "--json"]);
     assert_eq!(traced["boundaries"].as_array().unwrap().len(), 5);
 }

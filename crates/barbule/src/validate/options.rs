@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{FullWaves, Plan, usual_azimuths};
 use crate::error::shortened;
 use crate::progress::Clock;
-use crate::solve::full_wave::{ELEMENTS_PER_WAVELENGTH, FullWave};
+use crate::solve::full_wave::{ELEMENTS, ELEMENTS_PER_WAVELENGTH, FullWave};
 use crate::solve::{FAST, SHADOWED};
 use crate::spectrum::Wavelengths;
 use crate::structure::{Beneath, Ends, Smoothing, SpeciesModel, Structure};
@@ -21,9 +21,6 @@ const QUICK_WIDTH_UM: f64 = 6.0;
 /// Azimuths of incidence, degrees. On 6 µm no beam comes from 60° alone.
 const PHI_DEG: [f64; 3] = [0.0, 30.0, 60.0];
 const QUICK_PHI_DEG: [f64; 2] = [0.0, 30.0];
-
-/// Nodes per wavelength that make sense.
-const ELEMENTS: std::ops::RangeInclusive<f64> = 4.0..=200.0;
 
 /// The most individuals.
 const MOST_INDIVIDUALS: usize = 1000;

@@ -127,7 +127,7 @@ impl Exposure {
     pub const AUTO: Self = Self::Auto { stops: 0.0 };
     const RANGE: [f64; 2] = [1e-6, 1e6];
     /// Most stops to either side.
-    const MOST_STOPS: f64 = 20.0;
+    pub const MOST_STOPS: f64 = 20.0;
     /// What `auto` takes, for messages.
     const WORDS: &str = "\"auto\", with stops as in \"auto-1.5\"";
 

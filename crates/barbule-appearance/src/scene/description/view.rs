@@ -119,7 +119,7 @@ impl FieldValue for Up {
 }
 
 impl View {
-    /// Refuses a camera that stands in its target or focuses behind itself.
+    /// Refuses a camera that stands in its target, and a focus of one that has none.
     fn agree(&self, place: &str) -> Result<()> {
         if let Some(position) = self.position
             && position.iter().zip(self.target).all(|(a, b)| (a - b).abs() < 1e-3)
@@ -128,9 +128,14 @@ impl View {
                 "{place}.position_mm and {place}.target_mm are the same place; give the camera another one"
             )));
         }
-        if self.projection == ViewProjection::Orthographic && self.focus_distance_mm.is_some() {
+        // A preset's own lens is left aside, since whoever changes its projection does not say it.
+        let of_focus =
+            [("focus_distance_mm", self.focus_distance_mm.is_some()), ("f_number", self.f_number.is_some())];
+        if self.projection == ViewProjection::Orthographic
+            && let Some((key, _)) = of_focus.iter().find(|(_, is_given)| *is_given)
+        {
             return Err(Error::input(format!(
-                "{place}.focus_distance_mm is given, but an orthographic camera is sharp everywhere; leave it out"
+                "{place}.{key} is given, but an orthographic camera is sharp everywhere; leave it out"
             )));
         }
         Ok(())

@@ -113,11 +113,15 @@ pub(super) fn exposure(text: &str) -> Result<Exposed> {
     if let Some(stops) = Exposure::stops(text) {
         return Ok(Exposed::Stops(stops));
     }
+    // What has a sign is stops, be they too many, and no factor.
     match text.parse::<f64>() {
-        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposed::As(Exposure::Factor(factor))),
+        Ok(factor) if !text.starts_with('+') && (1e-6..=1e6).contains(&factor) => {
+            Ok(Exposed::As(Exposure::Factor(factor)))
+        }
         _ => Err(Error::input(format!(
-            "--exposure {}: give a factor from 0.000001 to 1000000, or auto, each with stops as in auto-1.5, or stops alone as in +1",
-            shortened(text)
+            "--exposure {}: give a factor from 0.000001 to 1000000, or auto, each with stops as in auto-1.5, or up to {} stops alone as in +1",
+            shortened(text),
+            Exposure::MOST_STOPS
         ))),
     }
 }

@@ -209,6 +209,16 @@ pub(super) const SCENES: &[Change] = &[
     ("width_mm = 4.4", "focal_length_mm = 0", "camera.focal_length_mm is 0, outside 5 to 5000"),
     ("width_mm = 4.4", "f_number = 0.5", "camera.f_number is 0.5, outside 1 to 1000"),
     ("width_mm = 4.4", "focus_distance_mm = -1", "camera.focus_distance_mm is -1"),
+    (
+        "width_mm = 4.4",
+        "projection = \"orthographic\"\nfocus_distance_mm = 8",
+        "camera.focus_distance_mm is given, but an orthographic camera is sharp everywhere",
+    ),
+    (
+        "width_mm = 4.4",
+        "projection = \"orthographic\"\nf_number = 8",
+        "camera.f_number is given, but an orthographic camera is sharp everywhere",
+    ),
     ("sky = 0.7", "sky = -1.0", "sky"),
     ("elevation = 60.0", "elevation = 91.0", "light.elevation_deg is 91, outside -90 to 90"),
     ("width_mm = 4.4", "width_mm = 0.0", "camera.width_mm is 0, outside 0.05 to 2000"),

@@ -20,6 +20,7 @@ pub(super) const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --memory 1kB", "raise --memory"),
     ("film air/keratin:5/air --medium chitin", "write NAME=FILE"),
     ("film air/keratin:5/air --medium chitin=", "write NAME=FILE"),
+    ("film air/q:5/air --medium q=@good.csv --medium q=@good.csv", "--medium q: is given twice"),
     ("film air/keratin:5/air --medium chitin=@none.csv", "none.csv: no such file"),
     ("film air/keratin:5/air --medium chitin=@", "is a folder"),
     ("film air/keratin:5/air --medium 5x=@good.csv", "cannot name a medium"),
@@ -312,6 +313,16 @@ pub(super) const LINES: &[(&str, &str)] = &[
     ("render starling -o @f.png --frames 0", "give 1 to 9999"),
     ("render starling -o @f.png --frames 2 --arc sun=3", "what moves is light, camera or feather"),
     ("render starling -o @f.png --frames 2 --path light=1,2/3,99", "light.elevation_deg is 99"),
+    (
+        "render starling -o @f.png --frames 2 --path light=1,20/3,30 --path light=5,20/3,30",
+        "--path light: a path says where the light is in every frame; give one",
+    ),
+    (
+        "render starling -o @f.png --frames 2 --arc camera=30 --path camera=1,20/3,30",
+        "no --arc camera beside it",
+    ),
+    ("render starling --toml --size 0x0", "each side must be 1 to 16384"),
+    ("render starling --toml --size 20000x1", "each side must be 1 to 16384"),
     ("render starling -o @f.png --exposure bright", "give a factor from 0.000001 to 1000000, or auto"),
     ("render starling -o @f.png --background @none.png", "no such file"),
     (

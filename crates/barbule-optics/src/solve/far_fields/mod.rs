@@ -4,7 +4,7 @@ mod solver;
 
 pub(super) use solver::OneByOne;
 pub use solver::{
-    ELEMENTS_PER_WAVELENGTH, Effort, Exact, Method, Prepared, Scattered, SectionSolver, Settings,
+    ELEMENTS, ELEMENTS_PER_WAVELENGTH, Effort, Exact, Method, Prepared, Scattered, SectionSolver, Settings,
 };
 
 use crate::scattering::far_field::{Illumination, Window};

@@ -13,6 +13,8 @@ use crate::{Error, Result};
 
 /// Nodes per wavelength of solvers of equations, in the denser of the media at each boundary, unless somebody asks for others.
 pub const ELEMENTS_PER_WAVELENGTH: f64 = 10.0;
+/// Nodes per wavelength that make sense.
+pub const ELEMENTS: std::ops::RangeInclusive<f64> = 4.0..=200.0;
 
 /// A way to the far fields of sections, as programs offer it; its name tells it apart.
 #[derive(Debug, Clone, Copy)]

@@ -38,7 +38,7 @@ use mesh::Mesh;
 use operator::{Coupled, Operator, Weighted};
 use outgoing::{Fields, absorbed_um, radiate};
 
-pub use crate::solve::far_fields::ELEMENTS_PER_WAVELENGTH;
+pub use crate::solve::far_fields::{ELEMENTS, ELEMENTS_PER_WAVELENGTH};
 
 /// Bytes of a complex number.
 const COMPLEX: u64 = size_of::<Complex64>() as u64;
