@@ -44,7 +44,7 @@ pub(crate) fn vector(row: &[f64]) -> DVec3 {
     DVec3::new(row[0], row[1], row[2])
 }
 
-fn is_unit(w: DVec3) -> bool {
+pub(crate) fn is_unit(w: DVec3) -> bool {
     (0.999..=1.001).contains(&w.length_squared())
 }
 

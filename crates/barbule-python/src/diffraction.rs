@@ -6,13 +6,24 @@ use barbule::io::{HeightsOptions, read_heights};
 use barbule::scattering::grating::{Coherence, Setup};
 use barbule::solve::diffraction::spectrum;
 use barbule::structure::{Heightfield, SAMPLES};
-use barbule::{DVec3, Error};
+use barbule::{DVec3, Error, Result};
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _, PyReadonlyArray2};
 use pyo3::prelude::*;
 
 use crate::arrays::{Floats, wavelengths};
+use crate::batch::is_unit;
 use crate::error::OrRaise as _;
 use crate::work::How;
+
+/// A direction; refuses what is no unit vector.
+fn direction(name: &str, given: [f64; 3]) -> Result<DVec3> {
+    let found = DVec3::from_array(given);
+    if is_unit(found) {
+        return Ok(found);
+    }
+    let ([x, y, z], length) = (given, found.length());
+    Err(Error::input(format!("'{name}' is ({x}, {y}, {z}), of length {length:.3}; give a unit vector")))
+}
 
 /// A measured or made patch of heights.
 #[pyclass(frozen, module = "barbule._native")]
@@ -82,7 +93,7 @@ impl Heights {
             index: index.unwrap_or(usual.index),
             ..usual
         };
-        let [wi, wo] = [wi, wo].map(DVec3::from_array);
+        let (wi, wo) = (direction("wi", wi).or_raise(py)?, direction("wo", wo).or_raise(py)?);
         let found = How::new(threads, progress)
             .run(py, |progress| spectrum(&self.inner, &setup, &at, wi, wo, progress))?;
         Ok(PyArray1::from_vec(py, found))

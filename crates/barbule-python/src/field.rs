@@ -2,7 +2,7 @@
 
 use barbule::progress::Progress;
 use barbule::scattering::far_field::{Azimuths, Polarization, Window};
-use barbule::solve::far_fields::{Illuminations, Scattered, Settings};
+use barbule::solve::far_fields::{ELEMENTS, Illuminations, Scattered, Settings};
 use barbule::solve::method;
 use barbule::{Complex64, Error, Result, clock};
 use pyo3::prelude::*;
@@ -36,6 +36,13 @@ pub(crate) fn far_fields<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     check_count("azimuths", azimuths, MOST_AZIMUTHS).or_raise(py)?;
+    if !ELEMENTS.contains(&elements_per_wavelength) {
+        let (least, most) = (ELEMENTS.start(), ELEMENTS.end());
+        let message = format!(
+            "'elements_per_wavelength' is {elements_per_wavelength}; give a number from {least} to {most}"
+        );
+        return Err(Error::input(message)).or_raise(py);
+    }
     let light = Illuminations {
         wavelengths_nm: wavelengths(&wavelengths_nm).or_raise(py)?.nm().to_vec(),
         theta_i: incidences("theta_deg", &theta_deg).or_raise(py)?,

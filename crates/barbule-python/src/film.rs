@@ -1,34 +1,45 @@
 //! Planar multilayers.
 
 use barbule::film::gradient::{Gradient, gradients};
-use barbule::film::{FilmTables, sweep};
+use barbule::film::{Ensemble, FilmTables, ensemble, sweep};
 use barbule::{Complex64, Error, Result, Stack, Wavelengths};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{Floats, complex, radians, shaped, wavelengths};
+use crate::arrays::{Floats, check_count, complex, radians, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
+use crate::spectrum::MOST_INSTANCES;
 use crate::work::How;
 
 /// Amplitudes and powers, `[angle, wavelength]`: r_s, r_p, t_s, t_p, R_s, R_p, T_s, T_p, A_s, A_p and the absorption in each layer
-/// (`[layer, angle, wavelength]`), A_layer_s and A_layer_p.
+/// (`[layer, angle, wavelength]`), A_layer_s and A_layer_p. Of a stack whose thicknesses spread these are means over so many individuals,
+/// and `std` is the standard deviation of the unpolarized reflectance.
 #[pyfunction]
-#[pyo3(signature = (stack, wavelengths_nm, angles_deg, media, threads, progress))]
+#[pyo3(signature = (stack, wavelengths_nm, angles_deg, instances, seed, media, threads, progress))]
+#[allow(clippy::too_many_arguments)] // they have names in Python
 pub(crate) fn film<'py>(
     py: Python<'py>,
     stack: &str,
     wavelengths_nm: Floats<'py>,
     angles_deg: Floats<'py>,
+    instances: usize,
+    seed: u64,
     media: Vec<(String, String)>,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (stack, at, angles) = inputs(stack, &wavelengths_nm, &angles_deg, media).or_raise(py)?;
-    let found = How::new(threads, progress).run(py, |progress| {
+    check_count("instances", instances, MOST_INSTANCES).or_raise(py)?;
+    let (found, std) = How::new(threads, progress).run(py, |progress| {
         stack.doubt().iter().for_each(|doubt| progress.doubt(doubt));
-        sweep(&stack, &at, &angles, progress)
+        if !stack.is_random() {
+            return Ok((sweep(&stack, &at, &angles, progress)?, None));
+        }
+        let Ensemble { mean, unpolarized_std, .. } =
+            ensemble(&stack, &at, &angles, instances, seed, progress)?;
+        Ok((mean, Some(unpolarized_std)))
     })?;
     let all = PyDict::new(py);
     let shape = [angles.len(), at.len()];
@@ -41,6 +52,9 @@ pub(crate) fn film<'py>(
         all.set_item(format!("T_{name}"), shaped(py, transmitted, &shape)?)?;
         all.set_item(format!("A_{name}"), shaped(py, absorbed, &shape)?)?;
         all.set_item(format!("A_layer_{name}"), shaped(py, absorbed_per_layer, &layered)?)?;
+    }
+    if let Some(std) = std {
+        all.set_item("std", shaped(py, std, &shape)?)?;
     }
     Ok(all)
 }
@@ -61,6 +75,10 @@ pub(crate) fn film_gradients<'py>(
     threads: Option<usize>,
 ) -> PyResult<Gradients<'py>> {
     let (stack, at, angles) = inputs(stack, &wavelengths_nm, &angles_deg, media).or_raise(py)?;
+    if stack.is_random() {
+        let message = "'gradients': derivatives are of one stack; leave out the spreads";
+        return Err(Error::input(message)).or_raise(py);
+    }
     let how = How::new(threads, None);
     let found = how.run(py, |progress| gradients(&stack, &at, &angles, progress))?;
     let (layers, cells) = (stack.layers(), angles.len() * at.len());

@@ -37,7 +37,7 @@ mod _native {
     #[pymodule_export]
     use super::campaign::{Campaign, simd};
     #[pymodule_export]
-    use super::colour::{delta_e_2000, xyz_of};
+    use super::colour::{colour_doubt, delta_e_2000, xyz_of};
     #[pymodule_export]
     use super::crystal::crystal;
     #[pymodule_export]

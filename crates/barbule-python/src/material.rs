@@ -178,12 +178,15 @@ impl Material {
         threads: Option<usize>,
     ) -> PyResult<Drawn<'py>> {
         let [nm, wi, u] = [&wavelength_nm, &wi, &u].map(slice2);
-        let (nm, wi, u) = (nm.or_raise(py)?, wi.or_raise(py)?, u.or_raise(py)?);
+        let (nm, wi, uniform) = (nm.or_raise(py)?, wi.or_raise(py)?, u.or_raise(py)?);
         let drawn = at_once(py, threads, || {
             let nm = Rows::new("wavelength_nm", nm, 1, count)?;
             let wi = Rows::new("wi", wi, 3, count)?;
-            let u = Rows::new("u", u, 2, count)?;
+            let u = Rows::new("u", uniform, 2, count)?;
             check_unit("wi", wi)?;
+            if let Some(bad) = uniform.par_iter().find_first(|u| !(0.0..1.0).contains(*u)) {
+                return Err(Error::input(format!("'u' holds {bad}; give numbers from 0 to below 1")));
+            }
             let one = |row: usize| {
                 let u = u.at(row);
                 self.brdf.sample(nm.at(row)[0] as f32, vector(wi.at(row)), [u[0], u[1]])
@@ -259,7 +262,13 @@ impl Material {
 
     #[getter]
     fn name(&self) -> String {
-        barbule::figures::title(&self.material)
+        let title = barbule::figures::title(&self.material);
+        let word = |key: &str| self.material.info.get(key).and_then(|word| word.as_str()).unwrap_or_default();
+        // Stacks and given sections are no species.
+        if !word("species").is_empty() || word("name").is_empty() {
+            return title;
+        }
+        [word("name"), title.as_str()].join(" ").trim_end().to_owned()
     }
 
     #[getter]

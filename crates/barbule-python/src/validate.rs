@@ -16,6 +16,7 @@ use pyo3::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::json;
 
+use crate::arrays::check_simulated;
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::structure::Structure;
@@ -63,11 +64,13 @@ impl Comparison {
             let kept = units_in(&folder)?;
             if against == "full-wave" {
                 let options: FullWaveOptions = read(options)?;
+                check_simulated(options.wavelengths_nm.as_deref().unwrap_or_default())?;
                 let memory_bytes = memory_bytes.or_else(available_memory).unwrap_or(u64::MAX);
                 let plan = Box::new(options.plan(inner, memory_bytes, clock::system)?);
                 return Ok(Self { plan, folder, kept, seed: options.seed, is_pinned: false });
             }
             let options: SegmentOptions = read(options)?;
+            check_simulated(options.wavelengths_nm.as_deref().unwrap_or_default())?;
             let opening = Given { media, cache, seed: Some(options.seed), ..Given::default() }.opening()?;
             let located = match material.filter(|_| with_material) {
                 Some(name) => Some(locate(name, &opening, progress)?),

@@ -7,7 +7,7 @@ use barbule::{Error, Result};
 use numpy::{PyArrayDyn, PyReadonlyArray2};
 use pyo3::prelude::*;
 
-use crate::arrays::{Floats, check_count, flat, incidences, shaped, wavelengths};
+use crate::arrays::{Floats, check_count, flat, incidences, sampled, shaped, wavelengths};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::work::How;
@@ -55,7 +55,7 @@ pub(crate) fn catches<'py>(
     bird: &str,
     illuminant: &str,
 ) -> PyResult<Caught<'py>> {
-    let at = wavelengths(&wavelengths_nm).or_raise(py)?;
+    let at = sampled(&wavelengths_nm).or_raise(py)?;
     let view = open::eye(bird).and_then(|eye| View::new(eye, open::light(illuminant)?)).or_raise(py)?;
     let rows = reflectance.as_array();
     let found = rows

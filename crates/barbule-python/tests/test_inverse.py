@@ -41,3 +41,25 @@ def test_what_cannot_be_fitted_is_refused():
         barbule.fit_structure(STARLING, "flim", progress=False)
     with pytest.raises(barbule.InputError, match="not as many samples"):
         barbule.fit_structure(([400.0, 500.0], [0.1, 0.2, 0.3]), progress=False)
+
+
+def test_arrays_are_fitted_where_structures_can_be_simulated():
+    nm = np.arange(300.0, 831.0, 5.0)
+    film = barbule.film("air/keratin:612/melanin", nm, progress=False)
+    reflectance = 0.5 * (np.asarray(film["R_s"]) + np.asarray(film["R_p"]))
+    wide, values = np.concatenate([[250.0], nm, [900.0]]), np.pad(reflectance, ((0, 0), (1, 1)), constant_values=9.0)
+    found = barbule.fit_structure((wide, values), stack="air/keratin:?/melanin", progress=False)
+    assert found.best.parameters["thickness_nm"].value == pytest.approx(612.0, abs=1e-3)
+    assert found.readings[0]["wavelength_nm"][0] == 300.0
+    with pytest.raises(barbule.InputError, match="fewer than two of its wavelengths, 0.3 to 0.83 nm, lie within 300 to 830 nm"):
+        barbule.fit_structure((nm / 1000, reflectance), progress=False)
+
+
+def test_misspelt_words_and_objects_are_refused():
+    given = ([400.0, 500.0], [0.1, 0.2])
+    with pytest.raises(barbule.InputError, match="'level' is 'fxed'; give 'free' or 'fixed'"):
+        barbule.fit_structure(given, level="fxed", progress=False)
+    with pytest.raises(barbule.InputError, match="'plane' is 'x'"):
+        barbule.fit_structure(given, plane="x", progress=False)
+    with pytest.raises(TypeError, match="'measured' is a Measured; give its name or a file"):
+        barbule.fit_structure(barbule.measured(STARLING), progress=False)

@@ -222,3 +222,25 @@ def test_a_peacock_is_drawn_by_its_models():
         barbule.render("starling", model="film", size=(8, 6), samples=1)
     with pytest.raises(barbule.InputError, match="did you mean 'film'"):
         barbule.Scene.load("peacock", model="flim")
+
+
+def test_samples_take_numbers_below_one(starling):
+    for u in ([0.5, 1.0], [np.nan, 0.5], [-0.1, 0.5]):
+        with pytest.raises(barbule.InputError, match="'u' holds .*; give numbers from 0 to below 1"):
+            starling.sample(550, [0, 0, 1], u)
+    with pytest.raises(barbule.InputError, match="'polarization' is 3"):
+        barbule.Material.load("starling", polarization=3)
+
+
+def test_options_are_numbers_of_any_kind(tmp_path):
+    whole = barbule.characterize("air/keratin:400/melanin", thin=10, instances=2, cache=tmp_path)
+    same = dict(thin=np.int64(10), instances=np.int32(2), directions=np.array([20, 20]), mirror=np.bool_(False), tilt_deg=np.float32(2.0))
+    assert barbule.characterize("air/keratin:400/melanin", **same, cache=tmp_path).hash == whole.hash
+    assert whole.name == "air/keratin:400/melanin (thinned)"
+    for options, said in (({"tilt_deg": np.nan}, "'tilt_deg' is nan"), ({"wavelengths_nm": [500, np.inf]}, "'wavelengths_nm' is inf")):
+        with pytest.raises(barbule.InputError, match=f"{said}; give a finite number"):
+            barbule.characterize("starling", **options)
+    with pytest.raises(barbule.InputError, match="'width_um' is inf; give a finite number"):
+        barbule.validate("starling", tmp_path, width_um=np.inf)
+    with pytest.raises(barbule.InputError, match="'ends' is 'opn'; give 'open' or 'closed'"):
+        barbule.validate("starling", tmp_path, ends="opn")

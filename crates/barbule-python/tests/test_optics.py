@@ -67,6 +67,10 @@ def test_light_that_does_not_come_is_refused():
         (lambda: barbule.far_fields(section, [500], azimuths=0), "'azimuths' is 0"),
         (lambda: barbule.far_fields(section, [500], phi_deg=[90]), "'phi_deg' holds 90"),
         (lambda: barbule.crystal("mallard", [500], [95]), "'phi_deg' holds 95"),
+        (lambda: barbule.far_fields(section, [500], elements_per_wavelength=np.inf), "'elements_per_wavelength' is inf; give a number from 4 to 200"),
+        (lambda: barbule.far_fields(section, [500], solver="full-wave", elements_per_wavelength=1e9), "give a number from 4 to 200"),
+        (lambda: barbule.spectrum("starling", [500], plane="acros"), "'plane' is 'acros'; give 'across' or 'along'"),
+        (lambda: barbule.spectrum("starling", [500], polarization=3), "'polarization' is 3; give None, 1 or 2"),
     ):
         with pytest.raises(barbule.InputError, match=said):
             call()
@@ -177,3 +181,65 @@ def test_the_law_of_angles_gives_the_index_with_its_interval():
     assert law.normal_nm.low < 640 < (law.normal_nm.high or 0) and law.b_nm_per_deg.value > 0
     with pytest.raises(barbule.InputError, match="needs 3 angles"):
         barbule.angle_law(angles[:2], peaks[:2])
+
+
+def test_thicknesses_that_spread_make_means_and_deviations():
+    nm, angles = [450.0, 550.0, 650.0], [0.0, 30.0]
+    found = barbule.film("air/keratin:595±40/air", nm, angles, instances=20, seed=3)
+    one = barbule.film("air/keratin:595/air", nm, angles)
+    std = np.asarray(found["std"])
+    assert std.shape == (2, 3) and (std > 0.01).all() and "std" not in one
+    assert np.abs(np.asarray(found["R_s"]) - np.asarray(one["R_s"])).max() > 1e-3
+    for polarization in ("s", "p"):
+        parts = [np.asarray(found[f"{what}_{polarization}"]) for what in "RTA"]
+        np.testing.assert_allclose(sum(parts), 1.0, atol=1e-12)
+    again = barbule.film("air/keratin:595±40/air", nm, angles, instances=20, seed=3, threads=1)
+    np.testing.assert_array_equal(std, np.asarray(again["std"]))
+    assert np.asarray(barbule.film("air/keratin:595±40/air", nm, instances=1)["std"]).max() == 0
+    with pytest.raises(barbule.InputError, match="derivatives are of one stack; leave out the spreads"):
+        barbule.film("air/keratin:595±40/air", nm, gradients=True)
+    with pytest.raises(barbule.InputError, match="'instances' is 0"):
+        barbule.film("air/keratin:595±40/air", nm, instances=0)
+
+
+def test_wavelengths_that_cannot_be_simulated_are_refused(tmp_path):
+    section, patch = barbule.open("starling").instance(0), barbule.Heights.sample("sinusoid")
+    for call in (
+        lambda: barbule.film("air/keratin:595/air", [0.5, 0.6]),
+        lambda: barbule.spectrum("starling", [200, 500]),
+        lambda: barbule.spectrum("starling", [500, 900], instrument="probe:10"),
+        lambda: barbule.crystal("mallard", [0.5]),
+        lambda: barbule.far_fields(section, [900]),
+        lambda: patch.spectrum([200], [0, 0, 1], [0, 0, 1]),
+        lambda: barbule.intervals("starling", [200, 500]),
+        lambda: barbule.see("starling", "starling", wavelengths_nm=[200, 700]),
+        lambda: barbule.validate("starling", tmp_path, wavelengths_nm=[200]),
+    ):
+        with pytest.raises(barbule.InputError, match="'wavelengths_nm': .* nm is outside 300 to 830 nm"):
+            call()
+
+
+def test_colours_need_what_the_eye_sees():
+    for nm in ([300, 400], [500]):
+        with pytest.raises(barbule.InputError, match="too little of what the eye sees; give wavelengths from 400 to 700 nm"):
+            barbule.colours(nm, np.full(len(nm), 0.5))
+    with pytest.warns(barbule.DoubtWarning, match="its end values are held"):
+        found = barbule.colours([420, 680], [0.5, 0.5], "D50")
+    np.testing.assert_allclose(np.asarray(found["xyz"])[0, 1], 0.5, rtol=1e-3)
+    with pytest.raises(barbule.InputError, match="too little"):
+        barbule.colours([500], 0.5)
+    # Data may reach further than simulations.
+    assert barbule.colours([250, 900], [1.0, 1.0])["xyz"].shape == (1, 3)
+    for pair, name in (([np.nan, 0.2, 0.2], [0.2] * 3), "one"), (([0.2] * 3, [0.2, np.inf, 0.2]), "other"):
+        with pytest.raises(barbule.InputError, match=f"'{name}' holds"):
+            barbule.delta_e_2000(*pair)
+
+
+def test_directions_of_heights_are_unit_vectors():
+    patch = barbule.Heights.sample("sinusoid")
+    for wi, wo, said in (
+        ([0, 0, 2], [0, 0, 1], r"'wi' is \(0, 0, 2\), of length 2.000; give a unit vector"),
+        ([0, 0, 1], [0, np.nan, 1], "'wo' is"),
+    ):
+        with pytest.raises(barbule.InputError, match=said):
+            patch.spectrum([500], wi, wo)

@@ -66,3 +66,31 @@ def test_own_media(tmp_path):
     table.write_text("300,1.6,0.01\n830,1.5,0\n")
     found = barbule.film("air/resin:320/air", [550.0], media={"resin": table})
     assert 0 < float(np.asarray(found["A_s"])[0, 0]) < 0.1
+
+
+def test_what_is_open_is_no_name():
+    starling, material = barbule.open("starling"), barbule.Material.load("starling")
+    scene = barbule.Scene.load("starling")
+    for call, said in (
+        (lambda: barbule.open(starling), "'name' is a Structure"),
+        (lambda: barbule.film(starling), "'stack' is a Structure"),
+        (lambda: barbule.crystal(starling), "'lattice' is a Structure"),
+        (lambda: barbule.see([starling], "starling"), "'things' is a Structure"),
+        (lambda: barbule.vision.sensitivities(None), "'bird' is None"),
+        (lambda: barbule.Scene.load(material), "'name' is a Material"),
+        (lambda: scene.with_material(material), "'name' is a Material"),
+        (lambda: barbule.intervals(starling), "'structure' is a Structure"),
+        (lambda: barbule.export(starling, "gltf", "x.gltf"), "'what' is a Structure"),
+        (lambda: barbule.spectrum(scene), "'structure' is a Scene"),
+    ):
+        with pytest.raises(TypeError, match=f"{said}; give its name or a file"):
+            call()
+
+
+def test_files_written_by_python_say_their_version(tmp_path):
+    picture = barbule.render("starling", size=(8, 6), samples=1)
+    picture.save(tmp_path / "a.png")
+    picture.save(tmp_path / "a.exr")
+    png, exr = (tmp_path / "a.png").read_bytes(), (tmp_path / "a.exr").read_bytes()
+    assert b"iTXtversion\0" in png
+    assert b"barbule_version\0" in exr and b"barbule_barbule_version" not in exr

@@ -22,6 +22,9 @@ def test_a_lattice_is_traced_from_an_array_and_from_a_file(tmp_path):
     assert found.rods_px.shape == (30, 4) and found.flat.shape == (300, 380)
     found.save(tmp_path / "rods.toml")
     assert barbule.open(tmp_path / "rods.toml").name
+    for refused in (lambda: found.text("yaml"), lambda: found.save(tmp_path / "rods.yaml")):
+        with pytest.raises(barbule.InputError, match="toml"):
+            refused()
     assert 0 < float(barbule.crystal(tmp_path / "rods.toml", [500.0], [0.0])["reflectance"][0, 0]) < 1
     assert found.figure("png")[:4] == b"\x89PNG" and found._repr_svg_().startswith("<svg")
     whole = barbule.trace((rods().clip(0, 1) * 65535).astype(np.uint16), nm_per_px=2.5).measures["lattice"]

@@ -41,3 +41,10 @@ def test_nothing_is_invented_in_the_ultraviolet():
         barbule.vision.catches([400, 700], [0.2, 0.2], "starling")
     with pytest.raises(barbule.InputError, match="did you mean 'starling'"):
         barbule.vision.sensitivities("starlin")
+
+
+def test_data_may_reach_further_than_simulations():
+    single, _ = barbule.vision.catches([250, 900], [0.2, 0.2], "starling")
+    np.testing.assert_allclose(single, 0.2, rtol=1e-9)
+    with pytest.raises(barbule.InputError, match="'reference' is 'last'; give 'longest' or 'rarest'"):
+        barbule.vision.jnd([[0.1, 0.3, 0.5, 0.4]], reference="last")

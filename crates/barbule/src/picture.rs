@@ -221,7 +221,7 @@ impl Picture {
     /// # Errors
     /// Another ending, a picture other than an `.exr` of a sensor without colours, or the file cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<()> {
-        let version = [("barbule_version", env!("CARGO_PKG_VERSION"))];
+        let version = [("version", env!("CARGO_PKG_VERSION"))];
         Developed::new(path.as_ref(), &self.film, &self.development, &self.objects)?.write(&version)
     }
 }

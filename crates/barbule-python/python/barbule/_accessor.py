@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import xarray
 from numpy.typing import NDArray
 
 from . import _native
+from .errors import DoubtWarning
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,6 +45,13 @@ class BarbuleAccessor:
 
     def colours(self, illuminant: str = "D65") -> NDArray[np.uint8]:
         """The sRGB bytes that a screen shows of the reflectance, `[..., 3]`, under an illuminant."""
+        doubt = _native.colour_doubt(np.asarray(self.reflectance()["wavelength"].values, dtype=np.float64))
+        if doubt is not None:
+            warnings.warn(doubt, DoubtWarning, stacklevel=2)
+        return self._shown(illuminant)
+
+    def _shown(self, illuminant: str) -> NDArray[np.uint8]:
+        """The colours, however little of what the eye sees is known."""
         reflectance = self.reflectance()
         values = np.ascontiguousarray(reflectance.values, dtype=np.float64)
         rows = values.reshape(-1, values.shape[-1])
@@ -58,7 +67,7 @@ class BarbuleAccessor:
         reflectance = self.reflectance()
         rest = [dim for dim in reflectance.dims if dim != "wavelength"]
         curves = reflectance.stack(curve=rest).transpose("curve", "wavelength") if rest else reflectance.expand_dims("curve")
-        colours = self.colours().reshape(-1, 3) / 255
+        colours = self._shown("D65").reshape(-1, 3) / 255
         strokes = ("-", "--", "-.", ":")
         for number, (curve, colour) in enumerate(zip(curves, colours, strict=True)):
             label = ", ".join(f"{dim} {float(curve[dim]):g}" for dim in rest)

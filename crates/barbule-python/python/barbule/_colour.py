@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _native
 from ._labels import Axis, Quantity, labelled, numbers
+from .errors import DoubtWarning
 
 if TYPE_CHECKING:
     import xarray
@@ -18,20 +20,29 @@ def colours(wavelengths_nm: ArrayLike, reflectance: ArrayLike, illuminant: str =
     """What the standard observer (CIE 1931, 2°) sees of reflectances.
 
     Args:
-        wavelengths_nm: Vacuum wavelengths ``[W]``, rising.
+        wavelengths_nm: Vacuum wavelengths ``[W]``, rising; 90 % of what the eye sees of white must lie within.
         reflectance: ``[..., W]``.
-        illuminant: ``D65``, ``A`` or ``E``.
+        illuminant: ``D65``, ``D50``, ``A`` or ``E``.
 
     Returns:
         ``xyz`` (Y = 1 of a perfect white), ``linear_srgb`` (may leave 0 to 1) and ``srgb`` (the bytes that a screen shows), each
         ``[row, 3]`` with the leading axes of `reflectance` as rows.
+
+    Raises:
+        InputError: The wavelengths are too little of what the eye sees, or there is no such illuminant.
+
+    Warns:
+        DoubtWarning: The end values are held where more than 1 % of what the eye sees of white lies.
 
     Example:
         >>> import barbule
         >>> barbule.colours([400, 500, 600, 700], [1, 1, 1, 1])["xyz"].shape
         (1, 3)
     """
-    nm, values = numbers(wavelengths_nm), np.asarray(reflectance, dtype=np.float64)
+    nm, values = numbers(wavelengths_nm), np.atleast_1d(np.asarray(reflectance, dtype=np.float64))
+    doubt = _native.colour_doubt(nm)
+    if doubt is not None:
+        warnings.warn(doubt, DoubtWarning, stacklevel=2)
     rows = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
     xyz, linear, shown = _native.xyz_of(nm, rows, illuminant)
     data = {

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal, TypedDict, Union
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, text_of
 from ._material import Material
 from ._opening import Name
 from ._progress import ProgressLike, watched
@@ -90,7 +90,7 @@ def export(
         >>> film["delta_e"] > 0.0
         True
     """
-    given = what._native if isinstance(what, (Material, Scene)) else str(what)
+    given = what._native if isinstance(what, (Material, Scene)) else text_of("what", what)
     kept = None if cache is None else Path(cache)
     with watched(progress) as watch:
         text = _native.export(

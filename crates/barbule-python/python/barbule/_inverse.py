@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of, numbers
+from ._labels import media_of, numbers, one_of, text_of
+from ._measured import Measured
 from ._opening import Name
 from ._progress import ProgressLike, watched
 
@@ -141,7 +142,7 @@ def fit_structure(
         free: Sizes of a species or lattice to be found, ``KEY`` or ``KEY=LOW..HIGH``; those that set the colour most without.
         instrument: What it was measured with, of flat layers: ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere``, ``microscope:NA``.
         plane: Whether angles lie across the barbule or along it.
-        range_nm: The wavelengths that are fitted; all that are measured without.
+        range_nm: The wavelengths that are fitted; without all that are measured from 300 to 830 nm.
         column: The one column or sample of files to use.
         level: Whether each reading has a factor of its own, or reflectances are absolute.
         offset: Whether each reading has a constant of its own too.
@@ -170,12 +171,14 @@ def fit_structure(
     files: list[str] = []
     nm = values = np.zeros(0)
     angles = numbers(angles_deg)
-    if isinstance(measured, tuple) and len(measured) == 2 and not isinstance(measured[0], (str, PathLike)):
+    one_of("plane", plane, ("across", "along"))
+    one_of("level", level, ("free", "fixed"))
+    if isinstance(measured, tuple) and len(measured) == 2 and not isinstance(measured[0], (str, PathLike, Measured)):
         nm, values = numbers(measured[0]), np.asarray(measured[1], dtype=float)
-    elif isinstance(measured, (str, PathLike)):
-        files = [str(measured)]
+    elif isinstance(measured, Iterable) and not isinstance(measured, (str, PathLike)):
+        files = [text_of("measured", file) for file in measured]
     else:
-        files = [str(file) for file in measured]
+        files = [text_of("measured", measured)]
     with watched(progress) as watch:
         text, toml = _native.fit_structure(
             files,

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from os import PathLike, fsdecode, fspath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -129,6 +133,42 @@ def numbers(values: ArrayLike) -> NDArray[np.float64]:
 def media_of(media: Mapping[str, Any] | None) -> list[tuple[str, str]]:
     """Media of the caller's own, as the native module takes them."""
     return [(name, str(path)) for name, path in (media or {}).items()]
+
+
+def one_of(name: str, value: Any, choices: Sequence[Any]) -> None:
+    """Refuses what is none of the choices of an argument."""
+    if any(value is choice or (isinstance(value, (str, int, np.integer)) and value == choice) for choice in choices):
+        return
+    *others, last = [repr(choice) for choice in choices]
+    raise InputError(f"'{name}' is {value!r}; give {', '.join(others)} or {last}")
+
+
+def text_of(name: str, given: Any) -> str:
+    """What people type, or the path of a file, as text.
+
+    Raises:
+        TypeError: It is something else, such as what is open already.
+    """
+    if isinstance(given, (str, PathLike)):
+        return fsdecode(fspath(given))
+    kind = type(given).__name__
+    what = "None" if given is None else f"{'an' if kind[0] in 'aeiouAEIOU' else 'a'} {kind}"
+    raise TypeError(f"'{name}' is {what}; give its name or a file")
+
+
+def plain(name: str, value: Any) -> Any:
+    """An option as JSON has it: numbers of NumPy as Python's, sequences as lists.
+
+    Raises:
+        InputError: It is no finite number, or holds one that is none.
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, (list, tuple, range)):
+        return [plain(name, one) for one in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"'{name}' is {value}; give a finite number")
+    return value
 
 
 def axis_nm(values: Sequence[float] | NDArray[np.float64]) -> Axis:

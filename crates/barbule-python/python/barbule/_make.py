@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Union
 
 from . import _native
+from ._labels import plain
 from ._material import Material
 from ._native import Structure
 from ._opening import Name, structure_of
@@ -26,7 +27,7 @@ def _options(
     mirror: bool,
 ) -> str:
     options: dict[str, Any] = {
-        "directions": list(directions),
+        "directions": directions,
         "instances": instances,
         "tilt_deg": tilt_deg,
         "polarized": polarized,
@@ -36,7 +37,7 @@ def _options(
     }
     if wavelengths_nm is not None:
         options["wavelengths_nm"] = [float(nm) for nm in wavelengths_nm]
-    return json.dumps(options)
+    return json.dumps({name: plain(name, value) for name, value in options.items()})
 
 
 def characterize(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, one_of, text_of
 from ._progress import ProgressLike, watched
 
 Reciprocity = Literal["none", "steeper", "mean"]
@@ -67,10 +67,12 @@ class Material:
         Raises:
             InputError: Nothing is called so, or the file is damaged.
         """
+        text = text_of("name", name)
+        one_of("polarization", polarization, (None, 1, 2))
         with watched(progress) as watch:
             return cls(
                 _native.Material.open(
-                    str(name),
+                    text,
                     media_of(media),
                     None if cache is None else Path(cache),
                     seed,
@@ -124,7 +126,7 @@ class Material:
         Args:
             wavelength_nm: Vacuum wavelengths, ``[...]``.
             wi: Towards the light, ``[..., 3]``.
-            u: Two uniform numbers from 0 to 1 each, ``[..., 2]``.
+            u: Two uniform numbers each, from 0 to below 1, ``[..., 2]``.
             threads: Threads; all cores without a number.
 
         Returns:

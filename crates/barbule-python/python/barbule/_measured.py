@@ -5,14 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from os import PathLike, fspath
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of, numbers
+from ._labels import media_of, numbers, one_of, text_of
 from ._opening import Name
 from ._optics import VISIBLE_NM
 from ._progress import ProgressLike, watched
@@ -73,7 +73,8 @@ def measured(places: _Places, *, column: str | int | None = None, percent: bool 
         (['back_1', 'back_2'], 0.052)
     """
     given = [places] if isinstance(places, (str, PathLike)) else list(places)
-    found = _native.measured([fspath(place) for place in given], None if column is None else str(column), percent)
+    texts = [text_of("places", place) for place in given]
+    found = _native.measured(texts, None if column is None else str(column), percent)
     return [Measured(angle, names, nm, samples, mean, reading) for angle, names, nm, samples, mean, reading in found]
 
 
@@ -166,13 +167,12 @@ def intervals(
         >>> peak["low"] < peak["value"] < peak["high"]
         True
     """
-    nm, angles = numbers(wavelengths_nm), numbers(angles_deg)
+    nm, angles, opened = numbers(wavelengths_nm), numbers(angles_deg), text_of("structure", structure)
+    one_of("plane", plane, ("across", "along"))
     nothing = np.zeros_like(angles)
     theta, phi = (nothing, angles) if plane == "across" else (angles, nothing)
     texts = [f"{name}={amount}" for name, amount in (uncertain or {}).items()]
     with watched(progress) as watch:
-        text = _native.intervals(
-            fspath(structure), nm, theta, phi, instances, seed, texts, media_of(media), threads, watch
-        )
+        text = _native.intervals(opened, nm, theta, phi, instances, seed, texts, media_of(media), threads, watch)
     found: list[dict[str, Any]] = json.loads(text)
     return found

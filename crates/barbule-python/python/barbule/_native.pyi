@@ -28,6 +28,8 @@ def film(
     stack: str,
     wavelengths_nm: NDArray[np.float64],
     angles_deg: NDArray[np.float64],
+    instances: int,
+    seed: int,
     media: _Media,
     threads: int | None,
     progress: _Watch,
@@ -175,6 +177,7 @@ def crystal(
 def xyz_of(
     wavelengths_nm: NDArray[np.float64], reflectance: NDArray[np.float64], illuminant: str
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.uint8]]: ...
+def colour_doubt(wavelengths_nm: NDArray[np.float64]) -> str | None: ...
 def delta_e_2000(one: Sequence[float], other: Sequence[float]) -> float: ...
 def characterize(
     structure: Structure,

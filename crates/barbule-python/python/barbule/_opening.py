@@ -7,7 +7,7 @@ from os import PathLike
 from typing import Union
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, text_of
 from ._material import Material
 from ._native import Structure
 from ._progress import ProgressLike, watched
@@ -43,7 +43,7 @@ def open(
         >>> barbule.open("starling:pink").width_um
         25.0
     """
-    text = str(name)
+    text = text_of("name", name)
     with watched(progress) as watch:
         found = _native.open(text, media_of(media), threads, watch)
     return Material(found) if isinstance(found, _native.Material) else found
@@ -53,7 +53,7 @@ def structure_of(given: Structure | Name, media: Mapping[str, Name] | None = Non
     """A structure, opened if it is a name."""
     if isinstance(given, Structure):
         return given
-    found = open(given, media=media, progress=False)
+    found = open(text_of("structure", given), media=media, progress=False)
     if isinstance(found, Structure):
         return found
     raise TypeError(f"{given} is a material, where a structure is needed")

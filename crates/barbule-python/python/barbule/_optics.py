@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers
+from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers, one_of, text_of
 from ._material import Material
 from ._native import Section, Structure
 from ._opening import Name, structure_of
@@ -45,6 +45,8 @@ def film(
     angles_deg: ArrayLike = 0.0,
     *,
     gradients: bool = False,
+    instances: int = 50,
+    seed: int = 1,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
     progress: ProgressLike = True,
@@ -52,10 +54,13 @@ def film(
     """Exact reflection and transmission of a stack of flat layers.
 
     Args:
-        stack: As in ``air/6*(melanin:99/keratin:100)/air``: media with thicknesses in nm, or a stack file (.toml).
+        stack: As in ``air/6*(melanin:99/keratin:100)/air``: media with thicknesses in nm, which may spread as in
+            ``air/keratin:595±40/air``; or a stack file (.toml).
         wavelengths_nm: Vacuum wavelengths, rising.
         angles_deg: Angles in the first medium, from the normal.
-        gradients: Whether derivatives of the reflected amplitudes and reflectances are wanted too.
+        gradients: Whether derivatives of the reflected amplitudes and reflectances are wanted too, of a stack without spreads.
+        instances: Number of random individuals of a stack whose thicknesses spread.
+        seed: Their seed.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
@@ -63,11 +68,12 @@ def film(
     Returns:
         Complex amplitudes ``r_s, r_p, t_s, t_p`` and powers ``R_s, R_p, T_s, T_p, A_s, A_p`` over ``[angle, wavelength]``, and
         ``A_layer_s, A_layer_p`` over ``[layer, angle, wavelength]``. Amplitudes of s belong to E, those of p to H, so at normal incidence
-        r_p = −r_s. With gradients: ``dr_dd_s`` (1/nm, ``[angle, wavelength, layer]``), ``dr_dn_s`` (by n + jk, ``[…, medium]`` of layers
+        r_p = −r_s. Of a stack whose thicknesses spread these are means over individuals, and ``std`` is the standard deviation of the
+        unpolarized reflectance. With gradients: ``dr_dd_s`` (1/nm, ``[angle, wavelength, layer]``), ``dr_dn_s`` (by n + jk, ``[…, medium]`` of layers
         and exit), ``dR_dd_s``, ``dR_dn_s``, ``dR_dk_s``, and the same for p.
 
     Raises:
-        InputError: Not the stack language, an unknown medium, an angle at or past grazing.
+        InputError: Not the stack language, an unknown medium, an angle at or past grazing, gradients of a stack whose thicknesses spread.
 
     Warns:
         DoubtWarning: A layer is thinner than 1 nm, as if micrometres were meant.
@@ -78,13 +84,16 @@ def film(
         >>> film["r_s"].shape
         (2, 3)
     """
-    nm, angles, own = numbers(wavelengths_nm), numbers(angles_deg), media_of(media)
+    nm, angles, own, text = numbers(wavelengths_nm), numbers(angles_deg), media_of(media), text_of("stack", stack)
+    # Refused before there is any work.
+    values = _native.film_gradients(text, nm, angles, own, threads) if gradients else []
     with watched(progress) as watch:
-        found = _native.film(str(stack), nm, angles, own, threads, watch)
+        found = _native.film(text, nm, angles, instances, seed, own, threads, watch)
     data = {name: Quantity(found[name], dims, words) for name, (words, dims) in _FILM.items()}
+    if "std" in found:
+        data["std"] = Quantity(found["std"], ("angle", "wavelength"), "standard deviation of individuals, unpolarized reflectance")
     coords = {"angle": Axis(angles, "angle of incidence", "degree"), "wavelength": axis_nm(nm)}
     if gradients:
-        values = _native.film_gradients(str(stack), nm, angles, own, threads)
         for polarization, by_d, by_n in (("s", values[0], values[1]), ("p", values[2], values[3])):
             r = found[f"r_{polarization}"][..., None].conj()
             layers, media_ = ("angle", "wavelength", "layer"), ("angle", "wavelength", "medium")
@@ -96,7 +105,7 @@ def film(
                 f"dR_dn_{polarization}": Quantity(2 * (r * by_n).real, media_, f"d(reflectance)/dn, {words}"),
                 f"dR_dk_{polarization}": Quantity(-2 * (r * by_n).imag, media_, f"d(reflectance)/dk, {words}"),
             }
-    return labelled(data, coords, stack=str(stack))
+    return labelled(data, coords, stack=text)
 
 
 def spectrum(
@@ -148,6 +157,8 @@ def spectrum(
         (1, 1)
     """
     nm, angles = numbers(wavelengths_nm), numbers(angles_deg)
+    one_of("plane", plane, ("across", "along"))
+    one_of("polarization", polarization, (None, 1, 2))
     if isinstance(structure, Material):
         if instrument is None or polarization is not None or cone_deg is not None:
             raise InputError("a Material is read by an instrument in unpolarized light: give instrument='probe:10' or another alone")
@@ -281,7 +292,7 @@ def far_fields(
         azimuths: Outgoing azimuths: over the upper half, of full waves over the whole circle.
         window: The light: ``gaussian`` on the top, ``beam``, or ``none``, a plane wave.
         solver: ``fast``, ``direct``, ``shadowed`` or ``full-wave``.
-        elements_per_wavelength: Nodes per wavelength of full waves.
+        elements_per_wavelength: Nodes per wavelength of full waves, 4 to 200.
         memory_bytes: What full waves may take at most.
         threads: Threads; all cores without a number.
         progress: True for a bar, False for none, or a function ``(label, done, total)``.
@@ -351,9 +362,9 @@ def crystal(
         >>> barbule.crystal("mallard", [500, 550], [0, 20, 40])["reflectance"].shape
         (3, 2)
     """
-    nm, phi = numbers(wavelengths_nm), numbers(phi_deg)
+    nm, phi, text = numbers(wavelengths_nm), numbers(phi_deg), text_of("lattice", lattice)
     with watched(progress) as watch:
-        found = _native.crystal(str(lattice), nm, theta_deg, phi, solver, media_of(media), threads, watch)
+        found = _native.crystal(text, nm, theta_deg, phi, solver, media_of(media), threads, watch)
     data = {
         "reflectance": Quantity(found.mean(axis=-1), ("phi_i", "wavelength"), "reflectance, unpolarized"),
         "R": Quantity(found, ("phi_i", "wavelength", "polarization"), "reflectance"),
@@ -363,7 +374,7 @@ def crystal(
         "wavelength": axis_nm(nm),
         "polarization": Axis(np.array([1, 2]), "incident polarization"),
     }
-    return labelled(data, coords, lattice=str(lattice), solver=solver)
+    return labelled(data, coords, lattice=text, solver=solver)
 
 
 class Heights:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Union
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, text_of
 from ._native import Picture
 from ._opening import Name
 from ._progress import ProgressLike, watched
@@ -59,7 +59,7 @@ class Scene:
             barbule.InputError: An unknown name, or a model of what has none.
         """
         with watched(progress) as watch:
-            return cls(_native.Scene.open(str(name), model, media_of(media), watch))
+            return cls(_native.Scene.open(text_of("name", name), model, media_of(media), watch))
 
     @classmethod
     def parse(cls, toml: str, folder: Union[str, "PathLike[str]"] = ".") -> Scene:
@@ -68,7 +68,7 @@ class Scene:
 
     def with_material(self, name: Name) -> Scene:
         """The same scene with another material on its barbules: a file, or a structure."""
-        return Scene(self._native.with_material(str(name)))
+        return Scene(self._native.with_material(text_of("name", name)))
 
     def frames(self, count: int, arcs: Mapping[str, float] | None = None) -> list[Scene]:
         """The scenes of a sequence, as ``barbule render --frames`` makes it.

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, one_of
 from ._opening import Name
 from .errors import InputError
 
@@ -50,11 +50,15 @@ class Traced:
 
     def text(self, format: str = "toml") -> str:
         """The text of a file that simulates: `toml` of a lattice, or of layers as a species; `json` of a lattice or a section."""
+        one_of("format", format, ("toml", "json"))
         return self._native.text(format == "json")
 
     def save(self, path: Union[str, "PathLike[str]"]) -> None:
         """Writes a file that `barbule.open` opens, ``.toml`` or ``.json`` as for `text`."""
-        self._native.save(Path(path), Path(path).suffix.lower() == ".json")
+        ending = Path(path).suffix.lower()
+        if ending not in (".toml", ".json"):
+            raise InputError(f"'path' is {str(path)!r}; end its name with .toml or .json")
+        self._native.save(Path(path), ending == ".json")
 
     def figure(self, format: str = "svg") -> bytes:
         """Outlines, thresholds and measures over the picture, as ``svg``, ``pdf`` or ``png``."""

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Union
 
 from . import _native
-from ._labels import media_of
+from ._labels import media_of, one_of, plain, text_of
 from ._native import Structure
 from ._opening import Name, structure_of
 from ._progress import ProgressLike, watched
@@ -133,15 +133,16 @@ def checked_options(against: str, options: Mapping[str, Any]) -> str:
         InputError: One belongs to the other comparison, or there is no such comparison.
         TypeError: One is unknown.
     """
-    if against not in ("full-wave", "three-d"):
-        raise InputError(f"'against' is '{against}'; give 'full-wave' or 'three-d'")
+    one_of("against", against, ("full-wave", "three-d"))
     others, whose = (_SEGMENTS, "segments") if against == "full-wave" else (_FULL_WAVES, "full waves")
     for name in options:
         if name not in ValidateOptions.__annotations__:
             raise TypeError(f"validate() got an unexpected keyword argument '{name}'")
         if name in others:
             raise InputError(f"'{name}' is for {whose}; leave it out against '{against}'")
-    given = {name: _plain(value) for name, value in options.items() if name != "material" and value is not None}
+    if options.get("ends") is not None:
+        one_of("ends", options["ends"], ("open", "closed"))
+    given = {name: plain(name, value) for name, value in options.items() if name != "material" and value is not None}
     return json.dumps(given, sort_keys=True)
 
 
@@ -158,14 +159,7 @@ def _comparison(
 ) -> _native.Comparison:
     """The comparison, planned."""
     text, material = checked_options(against, options), options.get("material")
-    name = None if material is None else str(material)
+    name = None if material is None else text_of("material", material)
     return _native.Comparison(
         structure, Path(output), against, text, with_material, name, media_of(media), simd, cache, memory_bytes
     )
-
-
-def _plain(value: Any) -> Any:
-    """Numbers and lists as JSON has them."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    return [_plain(one) for one in value] if isinstance(value, (list, tuple)) else value

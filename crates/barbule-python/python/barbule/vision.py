@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers
+from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers, one_of, text_of
 from ._opening import Name
 from ._progress import ProgressLike, watched
 
@@ -66,7 +66,7 @@ def sensitivities(bird: Name) -> xarray.Dataset:
         >>> [float(nm) for nm in barbule.vision.sensitivities("starling")["peak_nm"]]
         [367.0, 456.0, 542.0, 606.0]
     """
-    name, latin, cones, double, weber, sources = _native.eye(str(bird))
+    name, latin, cones, double, weber, sources = _native.eye(text_of("bird", bird))
     data = {
         "sensitivity": Quantity(np.stack([cone[4] for cone in cones]), ("cone", "wavelength"), "answer to a quantum"),
         "peak_nm": Quantity(np.array([cone[1] for cone in cones]), ("cone",), "wavelength of the largest answer", "nm"),
@@ -105,9 +105,9 @@ def catches(
         >>> single.round(9).tolist()
         [0.25, 0.25, 0.25, 0.25]
     """
-    nm, values = numbers(wavelengths_nm), np.asarray(reflectance, dtype=np.float64)
+    nm, values = numbers(wavelengths_nm), np.atleast_1d(np.asarray(reflectance, dtype=np.float64))
     rows = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
-    single, double = _native.catches(nm, rows, str(bird), str(illuminant))
+    single, double = _native.catches(nm, rows, text_of("bird", bird), text_of("illuminant", illuminant))
     return single.reshape(*values.shape[:-1], -1), double.reshape(values.shape[:-1])
 
 
@@ -134,8 +134,7 @@ def jnd(
         0.36366
     """
     rows = np.ascontiguousarray(np.atleast_2d(np.asarray(catches, dtype=np.float64)))
-    if reference not in ("longest", "rarest"):
-        raise ValueError(f"reference is {reference!r}; give 'longest' or 'rarest'")
+    one_of("reference", reference, ("longest", "rarest"))
     return _native.jnd(rows, numbers(ratio), weber, reference == "rarest")
 
 
@@ -216,7 +215,7 @@ def see(
     with watched(progress) as watch:
         for thing in asked:
             found = _native.things(
-                str(thing), samples, numbers(wavelengths_nm), numbers(angle_deg), instances, seed, media_of(media), threads, watch
+                text_of("things", thing), samples, numbers(wavelengths_nm), numbers(angle_deg), instances, seed, media_of(media), threads, watch
             )
             names += [name for name, _, _ in found]
             rows += [(nm, values) for _, nm, values in found]

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import _optics
-from .._labels import Axis, axis_nm, numbers
+from .._labels import Axis, axis_nm, numbers, one_of
 from .._native import Structure
 from .._opening import Name, structure_of
 from .._progress import ProgressLike
@@ -282,6 +282,8 @@ def spectrum(
         InputError: No structure, one that workers see differently, or a store of something else.
         MachineError: A task failed too often.
     """
+    one_of("plane", plane, ("across", "along"))
+    one_of("polarization", polarization, (None, 1, 2))
     if not structures:
         raise InputError("'structures' is empty; give at least one")
     own = placed_media(media)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from .. import _native
-from .._labels import media_of
+from .._labels import media_of, text_of
 from .._native import Structure
 from .._opening import Name, structure_of
 from ..errors import InputError
@@ -55,7 +55,7 @@ def identity_of(**parts: Any) -> str:
 
 def placed(name: Name) -> str:
     """A name as it opens in any folder: a file that is there by its whole path, everything else as it stands."""
-    text = os.fspath(name)
+    text = text_of("name", name)
     below = " (below)" if text.endswith(" (below)") else ""
     path = Path(text.removesuffix(below))
     # Species and stacks are no paths, whatever lies in the folder where somebody works.
