@@ -170,8 +170,8 @@ impl Instrument {
     ///
     /// There are no terms where nothing of the light that the stack mirrors is collected, as for arms that are not in mirror
     /// position. `waves` is the thickness of all layers over the shortest wavelength: light that crosses them and comes back makes
-    /// fringes over the angles, as many as 2 · `waves` times what cosθ falls by, and the rule follows them and what sharper ones
-    /// mirrors make of them (`FRINGE`). It is good to 1e-9 of Σ weight, of stacks millimetres thick (`MOST_NODES`) to 1e-2.
+    /// fringes over the angles, as many as 2 · `waves` times what cosθ falls by, and the rule follows them and the sharper
+    /// ones that bright layers make of them (`FRINGE`). It is good to 1e-9 of Σ weight, of stacks millimetres thick (`MOST_NODES`) to 1e-2.
     #[must_use]
     pub fn planar(&self, turned: f64, waves: f64) -> Vec<Incidence> {
         let [lit, seen] = self.apertures(turned);

@@ -2,7 +2,8 @@
 //!
 //! Individuals are drawn again with replacement (the bootstrap of Efron 1979): how the numbers of the mean vary says how well so many
 //! individuals fix it. Percentiles of few are too narrow, so their distances from the mean are taken √(n/(n−1)) t/1.96 times, with Student's
-//! t of n − 1 degrees of freedom (Hesterberg 2015, *The American Statistician* 69, 371, on what they lack). Uncertain inputs are moved by their standard deviation, up and down, with the same individuals; halves of the
+//! t of n − 1 degrees of freedom (Hesterberg 2015, *The American Statistician* 69, 371, on what they lack).
+//! Uncertain inputs are moved by their standard deviation, up and down, with the same individuals; halves of the
 //! differences are what they contribute, and all add in squares (the *Guide to the Expression of Uncertainty in Measurement*, JCGM 100:2008, §5.1.2).
 
 mod numbers;
