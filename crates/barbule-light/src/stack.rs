@@ -199,11 +199,11 @@ impl Stack {
         let thin = |nm: &f64| *nm > 0.0 && *nm < THINNEST_USUAL_NM;
         let layer = self.thickness_nm.iter().position(thin)?;
         let (nm, medium) = (self.thickness_nm[layer], shortened(self.medium(layer + 1)));
-        Some(format!(
-            "{medium}:{nm} is {nm} nm thick; thicknesses are in nm: did you mean {}?",
-            // Rounded, since 1000 times a decimal fraction need not be a whole number.
-            (nm * 1e9).round() / 1e6
-        ))
+        // `:?` writes what is very small with an exponent.
+        let said = format!("{medium}:{nm:?} is {nm:?} nm thick; thicknesses are in nm");
+        // Rounded, since 1000 times a decimal fraction need not be a whole number.
+        let in_um = (nm * 1e9).round() / 1e6;
+        Some(if in_um < THINNEST_USUAL_NM { said } else { format!("{said}: did you mean {in_um}?") })
     }
 
     /// The text that names the medium of a region: 0 is the entry half-space, `layers() + 1` the exit.
@@ -543,6 +543,8 @@ mod tests {
     fn layers_under_a_nanometre_are_doubted() {
         let doubt = read("air/keratin:0.2/air").unwrap().doubt().unwrap();
         assert_eq!(doubt, "keratin:0.2 is 0.2 nm thick; thicknesses are in nm: did you mean 200?");
+        let doubt = read("air/keratin:1e-320/air").unwrap().doubt().unwrap();
+        assert_eq!(doubt, "keratin:1e-320 is 1e-320 nm thick; thicknesses are in nm");
         assert_eq!(read("air/keratin:1/melanin:0/air").unwrap().doubt(), None);
     }
 

@@ -48,7 +48,9 @@ pub(crate) fn is_unit(w: DVec3) -> bool {
     (0.999..=1.001).contains(&w.length_squared())
 }
 
+/// Kernels take single precision.
 fn is_wavelength(nm: f64) -> bool {
+    let nm = nm as f32;
     nm > 0.0 && nm.is_finite()
 }
 
@@ -65,9 +67,9 @@ pub(crate) fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
 }
 
 /// Refuses what is no wavelength.
-fn check_nm(nm: &[f64]) -> Result<()> {
-    let bad = nm.par_iter().find_first(|nm| !is_wavelength(**nm));
-    bad.map_or(Ok(()), |bad| Err(Error::input(format!("'wavelengths_nm' holds {bad}; give nm over 0"))))
+pub(crate) fn check_nm(name: &str, rows: Rows<'_, f64>) -> Result<()> {
+    let bad = rows.values.par_iter().find_first(|nm| !is_wavelength(**nm));
+    bad.map_or(Ok(()), |bad| Err(Error::input(format!("'{name}' holds {bad}; give nm over 0"))))
 }
 
 /// A batch of evaluations, as rows.
@@ -99,7 +101,7 @@ impl<'a> Batch<'a> {
 
     /// Refuses what is no wavelength or no direction.
     pub(crate) fn check(&self) -> Result<()> {
-        check_nm(self.nm.values)?;
+        check_nm("wavelengths_nm", self.nm)?;
         check_unit("wi", self.wi)?;
         check_unit("wo", self.wo)
     }

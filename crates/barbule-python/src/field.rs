@@ -110,7 +110,7 @@ fn solve(
     for change in prepared.changes() {
         progress.doubt(change);
     }
-    let cost = prepared.cost(light, azimuths, rayon::current_num_threads())?;
+    let cost = prepared.cost(light, azimuths, rayon::current_num_threads(), progress)?;
     if cost.bytes > settings.memory_bytes {
         return Err(Error::input(format!(
             "{}s need {:.2} GB of memory, but {:.2} GB are allowed; give {}, or raise 'memory_bytes'",

@@ -35,7 +35,9 @@ pub(crate) fn film<'py>(
     let (found, std) = How::new(threads, progress).run(py, |progress| {
         stack.doubt().iter().for_each(|doubt| progress.doubt(doubt));
         if !stack.is_random() {
-            return Ok((sweep(&stack, &at, &angles, progress)?, None));
+            let found = sweep(&stack, &at, &angles, progress)?;
+            found.doubt(&stack)?.iter().for_each(|doubt| progress.doubt(doubt));
+            return Ok((found, None));
         }
         let Ensemble { mean, unpolarized_std, .. } =
             ensemble(&stack, &at, &angles, instances, seed, progress)?;

@@ -22,7 +22,7 @@ use pyo3::types::{PyBytes, PyDict};
 use rayon::prelude::*;
 
 use crate::arrays::shaped;
-use crate::batch::{Batch, Rows, check_unit, vector};
+use crate::batch::{Batch, Rows, check_nm, check_unit, vector};
 use crate::error::OrRaise as _;
 use crate::opening::Given;
 use crate::work::How;
@@ -183,6 +183,7 @@ impl Material {
             let nm = Rows::new("wavelength_nm", nm, 1, count)?;
             let wi = Rows::new("wi", wi, 3, count)?;
             let u = Rows::new("u", uniform, 2, count)?;
+            check_nm("wavelength_nm", nm)?;
             check_unit("wi", wi)?;
             if let Some(bad) = uniform.par_iter().find_first(|u| !(0.0..1.0).contains(*u)) {
                 return Err(Error::input(format!("'u' holds {bad}; give numbers from 0 to below 1")));
@@ -216,6 +217,7 @@ impl Material {
         let values = at_once(py, threads, || {
             let nm = Rows::new("wavelength_nm", nm, 1, count)?;
             let wi = Rows::new("wi", wi, 3, count)?;
+            check_nm("wavelength_nm", nm)?;
             check_unit("wi", wi)?;
             let one = |row: usize| self.brdf.albedo(nm.at(row)[0] as f32, vector(wi.at(row)));
             Ok((0..count).into_par_iter().map(one).collect::<Vec<_>>())

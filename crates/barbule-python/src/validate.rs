@@ -96,8 +96,8 @@ impl Comparison {
 
     /// What each unit takes on so many threads, foretold: seconds, and bytes of the whole process.
     fn costs(&self, py: Python<'_>, threads: usize) -> PyResult<Vec<(f64, u64)>> {
-        How::default().run(py, |_| {
-            let each = self.plan.costs(threads)?.into_iter();
+        How::default().run(py, |progress| {
+            let each = self.plan.costs(threads, progress)?.into_iter();
             Ok(each.map(|cost| (cost.seconds.unwrap_or_default(), PROGRAM + cost.bytes)).collect())
         })
     }
@@ -132,8 +132,8 @@ impl Comparison {
             Some(bytes) => Allowance { bytes, asked: true },
             None => available_memory().map_or(Allowance::UNKNOWN, |bytes| Allowance { bytes, asked: false }),
         };
-        How::new(threads, None).run(py, |_| {
-            let most = self.plan.total_cost(rayon::current_num_threads())?.bytes;
+        How::new(threads, None).run(py, |progress| {
+            let most = self.plan.total_cost(rayon::current_num_threads(), progress)?.bytes;
             allowed.check("this comparison", most, "a smaller width, fewer layers or longer wavelengths")
         })
     }

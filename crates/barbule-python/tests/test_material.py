@@ -56,6 +56,10 @@ def test_bad_arguments_are_refused(starling):
     for bad, said in (([], "is empty"), ([np.nan], "holds NaN"), ([-5.0], "holds -5")):
         with pytest.raises(barbule.InputError, match=said):
             starling.eval(bad, [0, 0, 1], [0, 0, 1])
+    for bad in (np.nan, -5.0, 1e39):
+        for asked in (lambda nm: starling.albedo(nm, [0, 0, 1]), lambda nm: starling.sample(nm, [0, 0, 1], [0.5, 0.5])):
+            with pytest.raises(barbule.InputError, match="'wavelength_nm' holds .* nm over 0"):
+                asked(bad)
     assert starling.eval([550], np.zeros((0, 3)), [0, 0, 1]).shape == (0, 1)
     with pytest.raises(barbule.InputError, match="'samples' is 0"):
         barbule.render("starling", size=(8, 6), samples=0)

@@ -55,9 +55,9 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DEG", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angle("--phi", text))]
     phi: Option<f64>,
-    /// How it is solved
-    #[arg(long, value_enum, default_value_t = Method::Multipole)]
-    solver: Method,
+    /// How it is solved [default: multipole]; a field always by fdtd
+    #[arg(long, value_enum)]
+    solver: Option<Method>,
     /// Draw reflectance against wavelength and φ_i at θ, both polarizations
     #[arg(long, conflicts_with = "field", requires = "output")]
     map: bool,
@@ -73,8 +73,9 @@ pub(crate) struct Args {
     common: Common,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
 enum Method {
+    #[default]
     /// Cylinder multipoles: exact for circular rods
     Multipole,
     /// The Fourier modal method
@@ -117,16 +118,21 @@ impl Args {
         self.wavelength.unwrap_or(USUAL_WAVELENGTH_NM)
     }
 
+    fn method(&self) -> Method {
+        self.solver.unwrap_or_default()
+    }
+
     fn phi_deg(&self) -> f64 {
         self.phi.unwrap_or(USUAL_PHI_DEG)
     }
 
     fn point(&self, out: &mut dyn Write, lattice: &Lattice, incidence: &Incidence) -> Result<()> {
         let cell = Cell::new(lattice, incidence.wavelength_nm)?;
-        if self.solver == Method::Fdtd && incidence.theta_i.cos() * incidence.phi_i.cos() < NEAR_THE_HORIZON {
+        if self.method() == Method::Fdtd && incidence.theta_i.cos() * incidence.phi_i.cos() < NEAR_THE_HORIZON
+        {
             self.common.say("so near the horizon finite differences in time take minutes");
         }
-        let response = self.solver.solver().respond(&cell, incidence)?;
+        let response = self.method().solver().respond(&cell, incidence)?;
         if self.common.json {
             return print_json(out, &document(&response, incidence.phi_i));
         }
@@ -134,7 +140,7 @@ impl Args {
     }
 
     fn draw_map(&self, out: &mut dyn Write, path: &Path, lattice: &Lattice, theta_i: f64) -> Result<()> {
-        if self.solver == Method::Fdtd {
+        if self.method() == Method::Fdtd {
             return Err(Error::input("a map takes thousands of points; use --solver multipole or rcwa"));
         }
         for (flag, given, why) in [
@@ -149,7 +155,7 @@ impl Args {
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
         let progress = Terminal::new(&self.common);
-        let found = sweep(&*self.solver.solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
+        let found = sweep(&*self.method().solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
         Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found)?)?;
         let name = figures::heading(&self.structure);
         self.common
@@ -194,6 +200,9 @@ impl Args {
         lattice: &Lattice,
         incidence: &Incidence,
     ) -> Result<()> {
+        if self.solver.is_some_and(|method| method != Method::Fdtd) {
+            self.common.idle("--solver", "fields are found by finite differences in time");
+        }
         let cell = Cell::new(lattice, incidence.wavelength_nm)?;
         let solver = Fdtd { cells_per_um: FIELD_CELLS_PER_UM, ..Fdtd::default() };
         let field = solver.near_field(&cell, incidence, FIELD_ABOVE_UM)?;

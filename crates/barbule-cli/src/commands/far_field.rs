@@ -235,7 +235,8 @@ impl Args {
         if !section.changes().is_empty() {
             self.common.say(&format!("closed for {noun}s: {}", section.changes().join("; ")));
         }
-        let cost = section.cost(illuminations, self.azimuths, rayon::current_num_threads())?;
+        let progress = Terminal::new(&self.common);
+        let cost = section.cost(illuminations, self.azimuths, rayon::current_num_threads(), &progress)?;
         self.common.allowance().check(&format!("this {noun}"), cost.bytes, smaller)?;
         if let Some(seconds) = cost.seconds {
             let said = format!(
@@ -250,7 +251,7 @@ impl Args {
                 self.common.explain(&said);
             }
         }
-        section.scatter(illuminations, self.azimuths, &Terminal::new(&self.common))
+        section.scatter(illuminations, self.azimuths, &progress)
     }
 
     /// What a mirror would reflect in each case; says where the simulation is off, by the worst case.

@@ -148,7 +148,7 @@ impl Args {
             seed: self.common.seed,
         };
         let plan = options.plan(structure, self.common.allowance().bytes, clock::system)?;
-        let cost = plan.total_cost(rayon::current_num_threads())?;
+        let cost = plan.total_cost(rayon::current_num_threads(), &Terminal::new(&self.common))?;
         let fewer = "a smaller --width, fewer --layers or --elements, or longer --wavelengths";
         self.common.allowance().check("this comparison", cost.bytes, fewer)?;
         for change in &plan.individuals()[0].closed.changes {
@@ -189,7 +189,7 @@ impl Args {
             }
         };
         let plan = options.plan(structure, material, self.simd.unwrap_or_default(), clock::system)?;
-        let cost = plan.total_cost(rayon::current_num_threads())?;
+        let cost = plan.total_cost(rayon::current_num_threads(), &Terminal::new(&self.common))?;
         let fewer = "a smaller --length or longer --wavelengths";
         self.common.allowance().check("this comparison", cost.bytes, fewer)?;
         let [across, along] = plan.cells()?;
@@ -223,13 +223,15 @@ impl Args {
     /// Computes and keeps a part of the work, unless only its state is asked for; says how many of its units are there, and how many it has.
     fn part(&self, out: &mut dyn Write, plan: &dyn Comparing, shard: Shard, units: &Units) -> Result<()> {
         let what = plan.what();
-        let [found, count] = plan.done_of_part(shard, units)?;
+        let own = plan.part(shard, &Terminal::new(&self.common))?;
+        let count = own.len();
+        let done = || count - plan.missing(&own, units).len();
+        let found = done();
         if !self.status && found < count {
             self.say_found(found, count, what);
             let progress = Terminal::new(&self.common);
-            let outcome = plan.run_part(shard, units, &progress);
+            let outcome = plan.run_units(&own, units, &progress);
             drop(progress);
-            let done = || plan.done_of_part(shard, units).map_or(0, |[done, _]| done);
             outcome.map_err(|error| interrupted(error, done, count, what))?;
             let words =
                 format!("{} of {count} {what} of its part; the command without --shard draws", done());
@@ -237,7 +239,7 @@ impl Args {
         } else if !self.status {
             self.common.say("everything is there already: nothing to do");
         }
-        let [done, _] = if self.status { [found, count] } else { plan.done_of_part(shard, units)? };
+        let done = if self.status { found } else { done() };
         if self.common.json {
             let missing = count - done;
             return print_json(out, &json!({"units": count, "done": done, "missing": missing}));

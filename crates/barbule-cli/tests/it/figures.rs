@@ -116,6 +116,7 @@ fn flags_that_change_nothing_are_said_in_one_line() {
     std::fs::write(&table, "300,1.5,0\n830,1.5,0").unwrap();
     let medium = format!("mine={table}");
     let own = format!("keratin={table}");
+    let holes = format!("{}/../../examples/lattices/square-holes.toml", env!("CARGO_MANIFEST_DIR"));
     for (words, said) in [
         (
             vec!["geometry", "starling", "--medium", &medium, "--json"],
@@ -170,6 +171,10 @@ fn flags_that_change_nothing_are_said_in_one_line() {
                 &path("c.svg"),
             ],
             "--wavelength has no effect here: a map is of many wavelengths",
+        ),
+        (
+            vec!["crystal", &holes, "--field", "--solver", "rcwa", "-o", &path("c.svg")],
+            "--solver has no effect here: fields are found by finite differences in time",
         ),
         (
             "far-field air/keratin:300/air --wavelength 520 --theta 0 --phi 0 --elements 8"

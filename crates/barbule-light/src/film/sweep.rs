@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{FilmResponse, Polarization, response_at};
-use crate::progress::Progress;
+use crate::progress::{Progress, Unobserved};
 use crate::spectrum::Wavelengths;
 use crate::stack::Stack;
 use crate::{Complex64, Error, Result};
@@ -96,7 +96,49 @@ fn column(stack: &Stack, nm: f64, angle: &[f64], progress: &dyn Progress) -> Res
     Ok(points)
 }
 
+/// Fewer wavelengths are some that are asked for, and no curve.
+const FEWEST_OF_A_CURVE: usize = 10;
+/// Steps whose middles are looked at, at most.
+const MOST_MIDDLES: usize = 400;
+/// What the middles of steps may be off the straight line between their ends, as a part of how the curve varies: a sine of four samples
+/// a period is off by 0.29 of it.
+const MOST_BENT: f64 = 0.29;
+/// Less is not seen in any plot.
+const LEAST_BENT: f64 = 1e-3;
+
 impl Sweep {
+    /// What is doubtful about the wavelengths, in one sentence: they stand so far apart that fringes of thick layers lie between them.
+    /// Found by what the stack reflects halfway between them at the steepest of the angles.
+    ///
+    /// # Errors
+    /// As [`super::response`].
+    pub fn doubt(&self, stack: &Stack) -> Result<Option<String>> {
+        let nm = self.at.nm();
+        let steepest =
+            (0..self.angle.len()).min_by(|&a, &b| self.angle[a].abs().total_cmp(&self.angle[b].abs()));
+        let (Some(row), FEWEST_OF_A_CURVE..) = (steepest, nm.len()) else { return Ok(None) };
+        let reflected = &self.unpolarized()[row * nm.len()..][..nm.len()];
+        let every = nm.len().div_ceil(MOST_MIDDLES);
+        let off = |step: usize| -> Result<f64> {
+            let middle = column(stack, 0.5 * (nm[step] + nm[step + 1]), &self.angle[row..=row], &Unobserved)?;
+            let found: f64 = middle.iter().flatten().map(|one| 0.5 * one.reflected).sum();
+            Ok(found - 0.5 * (reflected[step] + reflected[step + 1]))
+        };
+        let off: Vec<f64> = (0..nm.len() - 1).step_by(every).map(off).collect::<Result<_>>()?;
+        let square = |values: &[f64], mean: f64| {
+            values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64
+        };
+        let mean = reflected.iter().sum::<f64>() / reflected.len() as f64;
+        let (bent, varied) = (square(&off, 0.0).sqrt(), square(reflected, mean).sqrt());
+        if bent < LEAST_BENT.max(MOST_BENT * varied) {
+            return Ok(None);
+        }
+        let widest = nm.array_windows().map(|[a, b]| b - a).fold(0.0, f64::max);
+        Ok(Some(format!(
+            "what the stack reflects rises and falls between wavelengths {widest} nm apart: fringes are missed, and peaks and colours that are read from these are not the stack's; take finer steps"
+        )))
+    }
+
     /// The reflectance of unpolarized light, shape `[angle, wavelength]`.
     #[must_use]
     pub fn unpolarized(&self) -> Vec<f64> {
@@ -110,7 +152,6 @@ mod tests {
     use super::*;
     use crate::film::response;
     use crate::material::Library;
-    use crate::progress::Unobserved;
 
     #[test]
     fn a_sweep_holds_the_single_responses_in_order() {
@@ -124,5 +165,28 @@ mod tests {
         // layer 1 of 2, angle 1 of 2, wavelength 2 of 3
         assert_eq!(tables.absorbed_per_layer[(2 + 1) * 3 + 2], one.absorbed_per_layer[1]);
         assert_eq!(found.unpolarized().len(), 6);
+    }
+
+    /// Fringes of 10 µm of keratin are 5 nm wide at 400 nm and 15 nm at 700; those of an ideal mirror are as wide as its band.
+    #[test]
+    fn steps_over_fringes_are_doubted() {
+        let doubt = |text: &str, step: f64, angle: &[f64]| {
+            let stack = Stack::parse(text, &Library::builtin()).unwrap();
+            let nm: Vec<f64> = (0..=(300.0 / step) as u32).map(|k| 400.0 + step * f64::from(k)).collect();
+            let at = Wavelengths::new(nm).unwrap();
+            sweep(&stack, &at, angle, &Unobserved).unwrap().doubt(&stack).unwrap()
+        };
+        let said = doubt("air/keratin:10000/air", 6.0, &[1.0, 0.0]).unwrap();
+        assert!(said.contains("between wavelengths 6 nm apart"), "{said}");
+        assert_eq!(doubt("air/keratin:10000/air", 1.0, &[0.0]), None);
+        for usual in [
+            "air/keratin:1500/air",
+            "air/6*(melanin:99/keratin:100)/keratin",
+            "air/keratin:10000/keratin",
+            "air/air",
+        ] {
+            assert_eq!(doubt(usual, 6.0, &[0.0]), None, "{usual}");
+        }
+        assert_eq!(doubt("air/keratin:10000/air", 50.0, &[0.0]), None, "seven wavelengths are no curve");
     }
 }

@@ -121,7 +121,7 @@ def fit_structure(
     instrument: str | None = None,
     plane: Literal["across", "along"] = "across",
     range_nm: tuple[float, float] | None = None,
-    column: str | None = None,
+    column: str | int | None = None,
     level: Literal["free", "fixed"] = "free",
     offset: bool = False,
     solutions: int = 3,
@@ -143,7 +143,7 @@ def fit_structure(
         instrument: What it was measured with, of flat layers: ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere``, ``microscope:NA``.
         plane: Whether angles lie across the barbule or along it.
         range_nm: The wavelengths that are fitted; without all that are measured from 300 to 830 nm.
-        column: The one column or sample of files to use.
+        column: The one column or sample of files to use, by name or by number from 1.
         level: Whether each reading has a factor of its own, or reflectances are absolute.
         offset: Whether each reading has a constant of its own too.
         solutions: How many solutions are given at least; those that fit as well as the best always are.
@@ -191,7 +191,7 @@ def fit_structure(
             instrument,
             plane == "along",
             None if range_nm is None else list(range_nm),
-            column,
+            None if column is None else str(column),
             level == "fixed",
             offset,
             solutions,

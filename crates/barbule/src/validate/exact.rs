@@ -123,8 +123,8 @@ impl Comparing for FullWaves {
         some.iter().copied().filter(is_missing).collect()
     }
 
-    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
-        let each = self.plans.iter().map(|plan| plan.costs(threads));
+    fn costs(&self, threads: usize, progress: &dyn Progress) -> Result<Vec<Cost>> {
+        let each = self.plans.iter().map(|plan| plan.costs(threads, progress));
         Ok(each.collect::<Result<Vec<_>>>()?.concat())
     }
 

@@ -79,9 +79,9 @@ impl Plan {
     ///
     /// # Errors
     /// As [`Prepared::cost`](crate::solve::far_fields::Prepared::cost).
-    pub fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+    pub fn costs(&self, threads: usize, progress: &dyn Progress) -> Result<Vec<Cost>> {
         let exact = self.full.prepare(&self.closed.regions)?;
-        let cost = |&nm: &f64| exact.cost(&self.light_of(nm), self.circle(), threads);
+        let cost = |&nm: &f64| exact.cost(&self.light_of(nm), self.circle(), threads, &OnlyStops(progress));
         self.wavelengths.nm().iter().map(cost).collect()
     }
 
@@ -145,7 +145,7 @@ impl Plan {
         let windowed = by_formulas(&self.light_through(Window::Gaussian))?;
         let fast_seconds = (clock::system() - start).as_secs_f64();
         let fast = by_formulas(&light)?;
-        let fast_bytes = formulas.cost(&light, self.azimuths, 1)?.bytes;
+        let fast_bytes = formulas.cost(&light, self.azimuths, 1, &OnlyStops(progress))?.bytes;
         let width_um = self.closed.regions.width_um;
         let cases: Vec<Case> = (light.iter().zip(&fast).zip(&windowed).zip(&full))
             .map(|(((one, fast), windowed), full)| case(&one, width_um, [&fast.far, &windowed.far], full))
@@ -216,7 +216,7 @@ impl FullWaves {
 
     /// Says how much there is to do, in steps of what the first individual's wavelengths take; the steps of each wavelength.
     fn begin(&self, units: Option<&Units>, progress: &dyn Progress) -> Result<Vec<u64>> {
-        let costs = self.plans[0].costs(1)?;
+        let costs = self.plans[0].costs(1, progress)?;
         let seconds: Vec<f64> = costs.into_iter().map(|cost| cost.seconds.unwrap_or_default()).collect();
         let all = seconds.iter().sum::<f64>().max(f64::MIN_POSITIVE);
         let steps: Vec<u64> = seconds.iter().map(|one| (STEPS * one / all).ceil() as u64).collect();

@@ -31,8 +31,8 @@ pub trait Comparing: Send + Sync {
     /// What each unit takes on so many threads, foretold.
     ///
     /// # Errors
-    /// As the solvers, as far as that is known without their work.
-    fn costs(&self, threads: usize) -> Result<Vec<Cost>>;
+    /// As the solvers, as far as that is known without their work; or the user cancelled.
+    fn costs(&self, threads: usize, progress: &dyn Progress) -> Result<Vec<Cost>>;
 
     /// Computes a unit and keeps it, unless it is there.
     ///
@@ -50,8 +50,8 @@ pub trait Comparing: Send + Sync {
     ///
     /// # Errors
     /// As [`Self::costs`].
-    fn total_cost(&self, threads: usize) -> Result<Cost> {
-        Ok(self.costs(threads)?.into_iter().fold(Cost::default(), Cost::then))
+    fn total_cost(&self, threads: usize, progress: &dyn Progress) -> Result<Cost> {
+        Ok(self.costs(threads, progress)?.into_iter().fold(Cost::default(), Cost::then))
     }
 
     /// How many units are kept.
@@ -79,26 +79,18 @@ pub trait Comparing: Send + Sync {
     ///
     /// # Errors
     /// As [`Self::costs`].
-    fn part(&self, shard: Shard) -> Result<Vec<usize>> {
-        let seconds = self.costs(1)?.into_iter().map(|cost| cost.seconds.unwrap_or_default());
+    fn part(&self, shard: Shard, progress: &dyn Progress) -> Result<Vec<usize>> {
+        let seconds = self.costs(1, progress)?.into_iter().map(|cost| cost.seconds.unwrap_or_default());
         Ok(shard.by_cost(&seconds.collect::<Vec<_>>()))
     }
 
-    /// How many units of a part are kept, and how many it has.
-    ///
-    /// # Errors
-    /// As [`Self::costs`].
-    fn done_of_part(&self, shard: Shard, kept: &Units) -> Result<[usize; 2]> {
-        let own = self.part(shard)?;
-        Ok([own.len() - self.missing(&own, kept).len(), own.len()])
-    }
-
-    /// Computes and keeps what is missing of a part: [`Self::finish`] then finds it, whoever computed it.
+    /// Computes and keeps what is missing of some units, as those of a [`Self::part`]: [`Self::finish`] then finds it, whoever
+    /// computed it.
     ///
     /// # Errors
     /// As [`Self::keep`]; what is kept till then stays.
-    fn run_part(&self, shard: Shard, kept: &Units, progress: &dyn Progress) -> Result<()> {
-        let left = self.missing(&self.part(shard)?, kept);
+    fn run_units(&self, units: &[usize], kept: &Units, progress: &dyn Progress) -> Result<()> {
+        let left = self.missing(units, kept);
         progress.begin(self.what(), left.len() as u64);
         for unit in left {
             if progress.is_cancelled() {
@@ -200,7 +192,8 @@ pub(super) mod tests {
         let kept = |name: &str| units_in(&folder.path().join(name)).unwrap();
         let there = |name: &str| files(&folder.path().join(name).join(UNITS));
         for number in [1, 0] {
-            plan.run_part(Shard::new(number, 2).unwrap(), &kept("parts"), &Unobserved).unwrap();
+            let own = plan.part(Shard::new(number, 2).unwrap(), &Unobserved).unwrap();
+            plan.run_units(&own, &kept("parts"), &Unobserved).unwrap();
         }
         for unit in [3, 0, 2, 1] {
             plan.run_unit(unit, &kept("units"), &Unobserved).unwrap();
@@ -208,7 +201,7 @@ pub(super) mod tests {
         let mut whole = plan.finish(Some(&kept("whole")), &Unobserved).unwrap();
         assert_eq!((plan.units(), there("whole").len(), plan.done(&kept("parts"))), (4, 4, 4));
         assert!(there("parts") == there("whole") && there("units") == there("whole"));
-        let costs = plan.costs(1).unwrap();
+        let costs = plan.costs(1, &Unobserved).unwrap();
         assert!(costs.len() == 4 && costs.iter().all(|cost| cost.seconds > Some(0.0) && cost.bytes > 0));
         whole.write(&folder.path().join("whole"), Value::Null, &[("version", "0")]).unwrap();
         let text = std::fs::read_to_string(folder.path().join("whole/numbers.json")).unwrap();

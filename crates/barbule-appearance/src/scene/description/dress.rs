@@ -446,7 +446,8 @@ pub(super) fn dressed(object: &Value, surfaces: &Map<String, Value>, place: &str
     let Value::Object(object) = object else { return Ok(object.clone()) };
     let mut object = object.clone();
     let is_plumage = ["feather", "coat", "row"].into_iter().any(|key| object.contains_key(key));
-    if let (true, Some(dress)) = (is_plumage, dress_of(&object, "dress", surfaces, place)?) {
+    // What is no plumage refuses such keys as those that it does not know.
+    if is_plumage && let Some(dress) = dress_of(&object, "dress", surfaces, place)? {
         object.retain(|key, _| !OF_MATERIAL.contains(&key.as_str()));
         object.insert("dress".to_owned(), dress);
     }

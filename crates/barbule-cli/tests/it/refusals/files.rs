@@ -161,6 +161,11 @@ pub(super) const SCENES: &[Change] = &[
     ("sky = 0.7", "objects = [{sphere_mm = 1}]", "objects[0].surface is missing"),
     (
         "sky = 0.7",
+        "surfaces.x.type = \"diffuse\"\nobjects = [{sphere_mm = 1, surface = \"x\", under = \"keratin\"}]",
+        "unknown key 'under'",
+    ),
+    (
+        "sky = 0.7",
         "objects = [{sphere_mm = 1, surface = \"shaft\"}]",
         "there is no table [surfaces.shaft] with a type",
     ),

@@ -122,7 +122,7 @@ mod tests {
             let solver = (own.solver)(&Settings::default());
             let prepared = solver.prepare(&section).unwrap();
             for window in [Window::Gaussian, Window::PlaneWave] {
-                let cost = prepared.cost(&light(window), 36, 2).unwrap();
+                let cost = prepared.cost(&light(window), 36, 2, &Unobserved).unwrap();
                 assert!(cost.bytes > 0 && (cost.unknowns > 0) == own.is_exact, "{}: {cost:?}", own.name);
                 let found = prepared.scatter(&light(window), 36, &Unobserved).unwrap();
                 assert_eq!(found.len(), 2);

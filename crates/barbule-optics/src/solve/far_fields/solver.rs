@@ -73,11 +73,18 @@ pub trait Prepared: Sync {
         &[]
     }
 
-    /// What [`Self::scatter`] takes on so many threads: at most at once, and in all.
+    /// What [`Self::scatter`] takes on so many threads: at most at once, and in all. Solvers that divide the section's boundaries for
+    /// each wavelength do so here too, and take a part of a second each.
     ///
     /// # Errors
-    /// As [`Self::scatter`], as far as that is known without its work.
-    fn cost(&self, light: &Illuminations, azimuths: usize, threads: usize) -> Result<Cost>;
+    /// As [`Self::scatter`], as far as that is known without its work; or a stop by `progress`.
+    fn cost(
+        &self,
+        light: &Illuminations,
+        azimuths: usize,
+        threads: usize,
+        progress: &dyn Progress,
+    ) -> Result<Cost>;
 
     /// What the section does with each light, in the order of [`Illuminations::iter`], on so many azimuths of the range that the
     /// solver gives; the same bits on any number of threads.
@@ -146,7 +153,13 @@ impl<F> Prepared for OneByOne<'_, F>
 where
     F: Fn(&Section, &Illumination, usize, &dyn Progress) -> Result<FarField> + Sync,
 {
-    fn cost(&self, light: &Illuminations, azimuths: usize, threads: usize) -> Result<Cost> {
+    fn cost(
+        &self,
+        light: &Illuminations,
+        azimuths: usize,
+        threads: usize,
+        _progress: &dyn Progress,
+    ) -> Result<Cost> {
         let size = Size::foretell(self.section, self.element_um)?;
         let shortest_nm = light.wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
         let own = size.casting_bytes(1) + size.bytes() + size.workspace_bytes(shortest_nm, 1, 8);

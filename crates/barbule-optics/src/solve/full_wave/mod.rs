@@ -145,8 +145,22 @@ impl Prepared for Regions<'_> {
         &self.changes
     }
 
-    fn cost(&self, light: &Illuminations, _azimuths: usize, threads: usize) -> Result<Cost> {
-        self.problems(light).try_fold(Cost::default(), |all, problem| Ok(all.then(problem?.cost(threads))))
+    fn cost(
+        &self,
+        light: &Illuminations,
+        _azimuths: usize,
+        threads: usize,
+        progress: &dyn Progress,
+    ) -> Result<Cost> {
+        progress.begin("sizes of the equations", (light.wavelengths_nm.len() * light.theta_i.len()) as u64);
+        self.problems(light).try_fold(Cost::default(), |all, problem| {
+            if progress.is_cancelled() {
+                return Err(Error::interrupted());
+            }
+            let cost = problem?.cost(threads);
+            progress.advance(1);
+            Ok(all.then(cost))
+        })
     }
 
     fn scatter(

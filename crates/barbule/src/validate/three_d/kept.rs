@@ -95,7 +95,7 @@ impl Comparing for Plan {
         left
     }
 
-    fn costs(&self, threads: usize) -> Result<Vec<Cost>> {
+    fn costs(&self, threads: usize, _progress: &dyn Progress) -> Result<Vec<Cost>> {
         // All instances are as large.
         let segment = self.segment(0)?;
         let each = (0..self.units()).step_by(self.instances).map(|unit| {
@@ -316,9 +316,9 @@ mod tests {
             ["parts", "units", "whole"].map(|name| (folder.path().join(name), small(2, Width::best())));
         let kept = |(path, _): &(std::path::PathBuf, Plan)| Units::new(path);
         for number in [1, 0] {
-            let shard = Shard::new(number, 2).unwrap();
-            parts.1.run_part(shard, &kept(&parts), &Unobserved).unwrap();
-            assert_eq!(parts.1.done_of_part(shard, &kept(&parts)).unwrap(), [2, 2]);
+            let own = parts.1.part(Shard::new(number, 2).unwrap(), &Unobserved).unwrap();
+            parts.1.run_units(&own, &kept(&parts), &Unobserved).unwrap();
+            assert_eq!((own.len(), parts.1.missing(&own, &kept(&parts)).len()), (2, 0));
         }
         for unit in (0..4).rev() {
             units.1.run_unit(unit, &kept(&units), &Unobserved).unwrap();
