@@ -162,7 +162,7 @@ pub(super) const SCENES: &[Change] = &[
     (
         "sky = 0.7",
         "surfaces.x.type = \"diffuse\"\nobjects = [{sphere_mm = 1, surface = \"x\", under = \"keratin\"}]",
-        "unknown key 'under'",
+        "objects[0].under is given, but the object is no feather, coat or row",
     ),
     (
         "sky = 0.7",
