@@ -117,14 +117,6 @@ pub fn range_nm(flag: &str, text: &str) -> Result<[f64; 2]> {
     })
 }
 
-/// A single wavelength in nm.
-///
-/// # Errors
-/// As [`wavelengths`], or a set of several.
-pub fn wavelength(flag: &str, text: &str) -> Result<f64> {
-    single(flag, text, &wavelengths_of(flag, text)?)
-}
-
 /// A single angle in degrees.
 ///
 /// # Errors

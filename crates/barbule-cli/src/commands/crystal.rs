@@ -29,8 +29,9 @@ const FIELD_CELLS_PER_UM: f64 = 200.0;
 const FIELD_ABOVE_UM: f64 = 0.15;
 const PANEL_HEIGHT: f64 = 420.0;
 
-/// Wavelength and φ_i of a point or a field where nothing is said.
+/// Wavelength and φ_i of a point or a field where nothing is said, and wavelengths of a map.
 const USUAL_WAVELENGTH_NM: f64 = 550.0;
+const USUAL_WAVELENGTHS: &str = "300:800:5";
 const USUAL_PHI_DEG: f64 = 0.0;
 
 /// Cosine of the angle from the normal below which a pulse takes over a minute.
@@ -44,9 +45,9 @@ const NEAR_THE_HORIZON: f64 = 0.035;
 pub(crate) struct Args {
     /// mallard, magpie or peafowl[:VARIANT], a species .toml of a crystal, or a lattice in TOML or JSON
     structure: String,
-    /// Wavelength in nm [default: 550]
-    #[arg(long, value_name = "NM", value_parser = |text: &str| sets::wavelength("--wavelength", text))]
-    wavelength: Option<f64>,
+    /// Wavelength in nm, of a map a set [default: 550, of a map 300:800:5]
+    #[arg(long, visible_alias = "wavelengths", value_name = "SET", value_parser = wavelengths)]
+    wavelength: Option<Wavelengths>,
     /// Longitudinal angle of incidence in degrees
     #[arg(long, value_name = "DEG", default_value = "0", allow_hyphen_values = true,
         value_parser = |text: &str| sets::angle("--theta", text))]
@@ -61,9 +62,6 @@ pub(crate) struct Args {
     /// Draw reflectance against wavelength and φ_i at θ, both polarizations
     #[arg(long, conflicts_with = "field", requires = "output")]
     map: bool,
-    /// Wavelengths of the map in nm
-    #[arg(long, value_name = "SET", default_value = "300:800:5", requires = "map", value_parser = sets::wavelength_set)]
-    wavelengths: Wavelengths,
     /// Draw |E|² of both polarizations and the permittivity in the unit cell
     #[arg(long, requires = "output")]
     field: bool,
@@ -71,6 +69,10 @@ pub(crate) struct Args {
     figure: FigureArgs,
     #[command(flatten)]
     common: Common,
+}
+
+fn wavelengths(text: &str) -> Result<Wavelengths> {
+    Wavelengths::new(sets::wavelengths_of("--wavelength", text)?)
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
@@ -102,20 +104,26 @@ impl Args {
             return Err(Error::input("-o draws a map or a field; give --map or --field"));
         }
         let lattice = structure_arg::lattice(&self.structure, &self.common)?;
-        let incidence = Incidence {
-            wavelength_nm: self.wavelength_nm(),
-            theta_i: self.theta.to_radians(),
-            phi_i: self.phi_deg().to_radians(),
-        };
         match self.figure.path() {
-            Some(path) if self.map => self.draw_map(out, path, &lattice, incidence.theta_i),
-            Some(path) => self.draw_field(out, path, &lattice, &incidence),
-            None => self.point(out, &lattice, &incidence),
+            Some(path) if self.map => self.draw_map(out, path, &lattice),
+            Some(path) => self.draw_field(out, path, &lattice, &self.incidence()?),
+            None => self.point(out, &lattice, &self.incidence()?),
         }
     }
 
-    fn wavelength_nm(&self) -> f64 {
-        self.wavelength.unwrap_or(USUAL_WAVELENGTH_NM)
+    /// The wave of a point or a field.
+    fn incidence(&self) -> Result<Incidence> {
+        let wavelength_nm = match self.wavelength.as_ref().map(Wavelengths::nm) {
+            None => USUAL_WAVELENGTH_NM,
+            Some([nm]) => *nm,
+            Some(several) => {
+                return Err(Error::input(format!(
+                    "--wavelength: {} wavelengths are given, but only a map has several; give one, or draw a map with --map -o FILE",
+                    several.len()
+                )));
+            }
+        };
+        Ok(Incidence { wavelength_nm, theta_i: self.theta.to_radians(), phi_i: self.phi_deg().to_radians() })
     }
 
     fn method(&self) -> Method {
@@ -139,22 +147,18 @@ impl Args {
         print(out, &table(&response, incidence.phi_i))
     }
 
-    fn draw_map(&self, out: &mut dyn Write, path: &Path, lattice: &Lattice, theta_i: f64) -> Result<()> {
+    fn draw_map(&self, out: &mut dyn Write, path: &Path, lattice: &Lattice) -> Result<()> {
         if self.method() == Method::Fdtd {
             return Err(Error::input("a map takes thousands of points; use --solver multipole or rcwa"));
         }
-        for (flag, given, why) in [
-            ("--wavelength", self.wavelength, "a map is of many wavelengths; give --wavelengths"),
-            ("--phi", self.phi, "a map is of all φ_i"),
-        ] {
-            if given.is_some() {
-                self.common.idle(flag, why);
-            }
+        if self.phi.is_some() {
+            self.common.idle("--phi", "a map is of all φ_i");
         }
-        let at = &self.wavelengths;
+        let at = &self.wavelength.clone().map_or_else(|| wavelengths(USUAL_WAVELENGTHS), Ok)?;
         let phi_deg: Vec<f64> = (0..MAP_ANGLES).map(|i| 2.0 * i as f64 - (MAP_ANGLES - 1) as f64).collect();
         let phi_i: Vec<f64> = phi_deg.iter().map(|d| d.to_radians()).collect();
         let progress = Terminal::new(&self.common);
+        let theta_i = self.theta.to_radians();
         let found = sweep(&*self.method().solver(), lattice, at.nm(), theta_i, &phi_i, &progress)?;
         Provenance::new(&self.common).write_figure(path, &self.map_figure(at, &found)?)?;
         let name = figures::heading(&self.structure);
@@ -228,19 +232,19 @@ impl Args {
             panel(title(1), "|E|²/|E_i|²", &field.intensity[1]),
         ];
         let name = figures::heading(&self.structure);
-        let (nm, theta, phi) = (self.wavelength_nm(), self.theta, self.phi_deg());
+        let (nm, theta, phi) = (incidence.wavelength_nm, self.theta, self.phi_deg());
         let usual = format!("{name}, {nm} nm, θ_i = {theta}°, φ_i = {phi}°");
         let drawing = abreast(&self.figure.title(usual), &panels, &self.figure.page()?);
         Provenance::new(&self.common).write_figure(path, &drawing)?;
         self.common.wrote(path, &format!("the field in {name} at {nm} nm, both polarizations"));
-        if self.common.json { print_json(out, &self.field_document(&field)) } else { Ok(()) }
+        if self.common.json { print_json(out, &self.field_document(nm, &field)) } else { Ok(()) }
     }
 
     /// What the picture of a field shows, one period of it.
-    fn field_document(&self, field: &NearField) -> Value {
+    fn field_document(&self, wavelength_nm: f64, field: &NearField) -> Value {
         let rows = |values: &[f64]| json!(values.chunks_exact(field.columns).collect::<Vec<_>>());
         json!({
-            "wavelength_nm": self.wavelength_nm(),
+            "wavelength_nm": wavelength_nm,
             "theta_deg": self.theta,
             "phi_deg": self.phi_deg(),
             "period_um": field.period_um,

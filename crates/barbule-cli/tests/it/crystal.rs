@@ -61,6 +61,12 @@ fn solvers_agree_on_a_lattice_from_a_file() {
 }
 
 #[test]
+fn a_wavelength_is_one_in_the_plural_too() {
+    assert_eq!(point(&["mallard", "--wavelengths", "500"]), point(&["mallard", "--wavelength", "500"]));
+    assert_ne!(point(&["mallard", "--wavelengths", "500"]), point(&["mallard"]));
+}
+
+#[test]
 fn maps_and_fields_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
@@ -69,7 +75,9 @@ fn maps_and_fields_are_drawn() {
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["R_1"].as_array().unwrap().len(), document["phi_deg"].as_array().unwrap().len());
     assert!(std::fs::read_to_string(&map).unwrap().contains("φ_i (°)"));
-    run(&["crystal", &file_of("square-holes"), "--field", "-o", &field]);
+    let drawn =
+        ["crystal", &file_of("square-holes"), "--field", "--wavelengths", "500", "-o", &field, "--json"];
+    assert_eq!(serde_json::from_str::<Value>(&run(&drawn)).unwrap()["wavelength_nm"], 500.0);
     assert!(std::fs::read(&field).unwrap().starts_with(b"\x89PNG"));
 }
 

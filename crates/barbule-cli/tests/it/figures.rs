@@ -161,18 +161,6 @@ fn flags_that_change_nothing_are_said_in_one_line() {
             "--phi has no effect here: a map is of all φ_i",
         ),
         (
-            vec![
-                "crystal",
-                "mallard",
-                "--map",
-                "--wavelengths=500",
-                "--wavelength=500",
-                "-o",
-                &path("c.svg"),
-            ],
-            "--wavelength has no effect here: a map is of many wavelengths",
-        ),
-        (
             vec!["crystal", &holes, "--field", "--solver", "rcwa", "-o", &path("c.svg")],
             "--solver has no effect here: fields are found by finite differences in time",
         ),

@@ -133,6 +133,12 @@ pub(super) const LINES: &[(&str, &str)] = &[
     ("crystal mallard --theta 90", "--theta: 90° is at or past grazing"),
     ("crystal mallard --phi -91", "--phi: -91° is at or past grazing"),
     ("crystal mallard --wavelength 0", "wavelength"),
+    (
+        "crystal mallard --wavelength 400:700:100",
+        "--wavelength: 4 wavelengths are given, but only a map has several; give one, or draw a map with --map -o FILE",
+    ),
+    ("crystal mallard --field --wavelengths 400,500 -o @f.png", "--wavelengths: 2 wavelengths are given"),
+    ("crystal mallard --wavelength 500 --wavelengths 600", "cannot be used multiple times"),
     ("crystal mallard --solver magic", "possible values"),
     ("crystal mallard -o @f.png", "give --map or --field"),
     ("crystal mallard --map -o @f.txt", ".svg"),

@@ -23,6 +23,8 @@ pub mod rcwa;
 mod response;
 mod solver;
 mod table;
+#[cfg(test)]
+mod tests;
 
 pub use cell::{Cell, CellRod, Incidence, Shell, Surroundings};
 #[cfg(feature = "fdtd")]

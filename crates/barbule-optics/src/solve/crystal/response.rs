@@ -18,9 +18,12 @@ pub struct Order {
 pub struct CrystalResponse {
     /// Propagating reflected orders, m ascending.
     pub orders: Vec<Order>,
-    /// Power into the half-space below the lowest rods' lower edge over incident power, per incident polarization.
+    /// Power that flows down through the plane at the lowest rods' lower edge (the surface where there are none) over
+    /// incident power, per incident polarization. An absorbing host takes all of it further down.
     pub transmitted: [f64; 2],
-    /// Power absorbed by the rods over incident power, per incident polarization, from the fields at them.
+    /// Power absorbed above that plane over incident power, per incident polarization: by the rods, and by the host
+    /// between and above them where it absorbs. It is summed from the fields, so that R + T + A = 1 is a check; in
+    /// an absorbing host multipoles alone give 1 − R − T.
     pub absorbed: [f64; 2],
     /// The solver's own estimate of the error of R, the largest over orders and polarizations; `None` if it was not
     /// asked for one.

@@ -36,9 +36,11 @@ pub(super) struct Grid {
     pub fz: f64,
     /// z of plane 0, negative.
     bottom: f64,
-    /// Plane through which transmitted power is measured.
+    /// Plane through which transmitted power is measured, two cells or more below the edge.
     pub exit: usize,
-    /// Planes between which E may meet absorbing matter.
+    /// z of the lower edge of all that is not host.
+    pub edge: f64,
+    /// Planes between which E may meet absorbing matter: from the exit to the surface where the host absorbs.
     pub matter: Range<usize>,
     /// Planes whose field is kept for pictures.
     pub near: Range<usize>,
@@ -86,9 +88,11 @@ impl Grid {
         }
         let absorber = (absorber_um / spacing).ceil().max(8.0) as usize;
         let below = (low / spacing).ceil() as usize + absorber + 2 * MARGIN;
-        let matter = Range {
-            start: absorber + 2 * MARGIN - 1,
-            end: below - (top.max(0.0) / spacing).floor() as usize + 2,
+        let exit = absorber + MARGIN;
+        let matter = if diffraction.host_eps.im > 0.0 {
+            exit..below + 2
+        } else {
+            exit + MARGIN - 1..below - (top.max(0.0) / spacing).floor() as usize + 2
         };
         let source = below + 2 + MARGIN + (near_um.unwrap_or(0.0) / spacing).ceil() as usize;
         let line = source + 2;
@@ -101,9 +105,10 @@ impl Grid {
             fx,
             fz,
             bottom: -(below as f64 + offset) * spacing,
-            exit: absorber + MARGIN,
+            exit,
+            edge: -low,
             matter,
-            near: near_um.map_or(0..0, |_| absorber + MARGIN..source + 1),
+            near: near_um.map_or(0..0, |_| exit..source + 1),
             source,
             line,
             absorber,

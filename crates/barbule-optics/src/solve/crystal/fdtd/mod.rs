@@ -70,7 +70,6 @@ impl Default for Fdtd {
 }
 
 impl CrystalSolver for Fdtd {
-    /// `transmitted` is measured two cells below the lowest rods; `absorbed` over all of the rows.
     fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
         self.respond_to(cell, &[], incidence)
     }
@@ -94,8 +93,8 @@ impl Fdtd {
             let coarse = Self { cells_per_um: self.cells_per_um / 1.5, ..*self };
             let rough = coarse.solve(&medium, &diffraction)?;
             // An order that hardly fades above the surface (just past its Rayleigh angle) is absorbed badly at any
-            // resolution; the balance of power shows it, unless the host takes some.
-            let unbalanced = if cell.host_eps.im == 0.0 { response.imbalance(incidence.phi_i) } else { 0.0 };
+            // resolution; the balance of power shows it.
+            let unbalanced = response.imbalance(incidence.phi_i);
             response.convergence = Some(diffraction.difference(&response, &rough).max(unbalanced));
         }
         Ok(response)
@@ -159,6 +158,12 @@ impl Fdtd {
             let incident = incident_flux(diffraction, &grid, q);
             transmitted[q] = runs[q].transmitted(&grid) / incident;
             absorbed[q] = runs[q].absorbed(&material, diffraction, &grid) / incident;
+            if diffraction.host_eps.im > 0.0 {
+                // What the host takes between the lowest edge and the exit passed the edge.
+                let below = runs[q].absorbed_below_the_edge(&material, diffraction, &grid) / incident;
+                transmitted[q] += below;
+                absorbed[q] = (absorbed[q] - below).max(0.0);
+            }
         }
         Ok(CrystalResponse { orders, transmitted, absorbed, convergence: None })
     }

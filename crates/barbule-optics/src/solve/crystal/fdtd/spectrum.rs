@@ -139,4 +139,35 @@ impl Spectrum {
         }
         sum * diffraction.k * grid.spacing / grid.fz
     }
+
+    /// As [`Self::absorbed`], what the host alone takes between the exit and the lower edge, where `matter` begins at the
+    /// exit.
+    ///
+    /// Power is measured with E at the exit and H̃ half a cell below it, so all of the exit's own cell counts.
+    pub(super) fn absorbed_below_the_edge(
+        &self,
+        material: &Material,
+        diffraction: &DiffractionOrders,
+        grid: &Grid,
+    ) -> f64 {
+        let count = grid.matter.len();
+        let host = diffraction.host_eps;
+        // Part of the cell about a plane that lies below the edge.
+        let below = |k: f64| ((grid.edge - grid.z(k)) / grid.spacing + 0.5).clamp(0.0, 1.0);
+        let mut sum = 0.0;
+        for (index, k) in grid.matter.clone().enumerate() {
+            let (on, above) = (below(k as f64), below(k as f64 + 0.5));
+            if on == 0.0 {
+                break;
+            }
+            for i in 0..grid.nx {
+                let at = i * count + index;
+                // Along the edge E goes on from host to rod, across it D does.
+                let [x, y] = [0, 1].map(|c| material.diagonal[c][i * grid.nz + k] * self.matter[c][at]);
+                let z = self.matter[2][at] / host;
+                sum += on * (x.norm_sqr() + y.norm_sqr()) + above * z.norm_sqr();
+            }
+        }
+        sum * host.im * diffraction.k * grid.spacing / grid.fz
+    }
 }

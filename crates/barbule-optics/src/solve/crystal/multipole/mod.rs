@@ -286,10 +286,14 @@ impl PreparedCell {
         let kinds = beyond[0].iter().zip(&beyond[1]).map(|(a, b): (&f64, &f64)| a.max(*b)).collect();
         let estimate = Estimate { kinds, orders: left_out[0].max(left_out[1]) };
         let reflected = self.reflected(orders, surfaces, &fields.surface[1], phi_i);
-        (
-            CrystalResponse { orders: reflected, transmitted, absorbed, convergence: Some(estimate.worst()) },
-            estimate,
-        )
+        let convergence = Some(estimate.worst());
+        let mut response = CrystalResponse { orders: reflected, transmitted, absorbed, convergence };
+        if wave.eps.im > 0.0 {
+            // The flux into the rods is not what the host takes around them, of which there is no sum of its own.
+            let reflectance = response.reflectance(phi_i);
+            response.absorbed = [0, 1].map(|q| (1.0 - reflectance[q] - transmitted[q]).max(0.0));
+        }
+        (response, estimate)
     }
 
     /// Propagating orders above the surface.

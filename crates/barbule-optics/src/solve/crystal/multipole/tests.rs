@@ -303,10 +303,11 @@ fn an_absorbing_host_is_a_limit_of_a_lossless_one() {
         crystal.host_eps += Complex64::new(0.0, 1e-9);
         let lossy = respond(&crystal, nm, theta, phi);
         assert!(apart(&lossless.orders[0], &lossy.orders[0]) < 1e-7);
+        // 1 − R − T there, the fluxes into the rods here.
+        let change = |q: usize| (lossless.absorbed[q] - lossy.absorbed[q]).abs();
+        assert!(change(0).max(change(1)) < 1e-7, "{:e} {:e}", change(0), change(1));
         crystal.host_eps += Complex64::new(0.0, 0.2);
         let dark = respond(&crystal, nm, theta, phi);
-        let reflected = dark.orders[0].reflectance(phi)[0];
-        let total = reflected + dark.transmitted[0] + dark.absorbed[0];
-        assert!(total < 1.0 && dark.absorbed[0] > 0.0 && dark.transmitted[0] > 0.0, "{total}");
+        assert!(dark.absorbed[0] > lossless.absorbed[0] && dark.transmitted[0] > 0.0);
     }
 }

@@ -40,8 +40,6 @@ impl Default for Rcwa {
 }
 
 impl CrystalSolver for Rcwa {
-    /// For an absorbing host, `transmitted` is what passes the lowest rods' lower edge, and `absorbed` includes the
-    /// host's share within the slices that cut rods.
     fn respond(&self, cell: &Cell, incidence: &Incidence) -> Result<CrystalResponse> {
         self.respond_to(&cell.surroundings(), &bodies(cell), incidence)
     }

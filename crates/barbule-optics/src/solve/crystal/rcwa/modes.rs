@@ -59,6 +59,11 @@ impl Harmonics {
         self.a.len()
     }
 
+    /// Whether the host takes power.
+    pub(super) fn host_absorbs(&self) -> bool {
+        self.host_eps.im > 0.0
+    }
+
     /// H̃ of a wave that goes up in the reference medium from its E, per order: (H_x, H_y) = V₀ (E_x, E_y).
     pub(super) fn admittance(&self, order: usize) -> [[Complex64; 2]; 2] {
         admittance(self.a[order], self.b, self.reference_eps, self.q_reference[order])

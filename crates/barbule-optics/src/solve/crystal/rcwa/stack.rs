@@ -49,7 +49,7 @@ pub(super) struct Stack {
 /// What becomes of the power that comes down on a stack.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Budget {
-    /// In slices that cut bodies.
+    /// In slices that cut bodies, and in those of the host where it absorbs.
     pub absorbed: f64,
     /// Through the plane at the lowest body's lower edge.
     pub transmitted: f64,
@@ -229,11 +229,12 @@ impl Stack {
         let (down, up) = if placed.flipped { (own(up), own(down)) } else { (own(down), own(up)) };
         let part = &self.parts[placed.part];
         match &part.kind {
-            Kind::Gap => {}
+            // Rounding would be all that it adds.
+            Kind::Gap if !harmonics.host_absorbs() => {}
             Kind::Exit => {
                 budget.transmitted += harmonics.flux(&down, &apply(&part.scattering.top, &down));
             }
-            Kind::Slice => {
+            Kind::Slice | Kind::Gap => {
                 let s = &part.scattering;
                 let back = sum(apply(&s.top, &down), &apply(&s.up, &up));
                 let out = sum(apply(&s.down, &down), &apply(&s.bottom, &up));
