@@ -1,17 +1,9 @@
 //! `barbule export`: files that other programs read, and what they say of themselves.
 
-use std::path::Path;
-
 use barbule::io::image::{Meaning, decode_picture};
 use serde_json::Value;
 
-use crate::common::program;
-
-fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).current_dir(folder).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
+use crate::common::run_in;
 
 /// What is said of a file is true of it, and a scene shows it as bright as the barbules that it was made of.
 #[test]
