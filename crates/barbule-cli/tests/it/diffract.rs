@@ -33,9 +33,9 @@ fn a_blazed_grating_sends_500_nm_to_its_first_order() {
     let [tables, reference] = ["tables", "reference"]
         .map(|of| serde_json::from_value::<[f64; 3]>(found["xyz"][of].clone()).unwrap());
     for (a, b) in tables.iter().zip(reference) {
-        assert!((a / b - 1.0).abs() < 0.01, "{tables:?} {reference:?}");
+        assert!((a / b - 1.0).abs() < 4e-3, "{tables:?} {reference:?}");
     }
-    assert!(found["delta_e"].as_f64().unwrap() < 0.5, "{found}");
+    assert!(found["delta_e"].as_f64().unwrap() < 0.05, "{found}");
     // To the other side goes hardly anything.
     let other = json(&["diffract", "blazed", "--wi", "0,0", "--wo", "11.536959,180", "--json"]);
     assert!(other["spectrum"][24].as_f64().unwrap() < 1e-3 * f[peak]);
