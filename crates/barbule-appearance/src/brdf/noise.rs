@@ -29,7 +29,7 @@ const ROW: usize = WIDTH * (HALF + 1);
 
 /// From one base to the next, over 1/h of the height phase k(z_i + z_o): intensities whose phases differ by Δ then correlate by
 /// exp(−(hΔ)²) within 0.013, mean over where between two bases they lie.
-const SLICE: f64 = 1.5175;
+pub const NOISE_SLICE: f64 = 1.5175;
 
 /// Rotations of (q_r, q_i) in their plane.
 const ROTATIONS: usize = 1024;
@@ -265,7 +265,7 @@ impl Noise {
         Draw {
             wings: [bits >> 8, bits >> 28].map(|bits| self.wings[bits as usize % VALUES]),
             base: (bits as usize % BASES) as f32 + (more >> 40 & 0xff) as f32 / 256.0,
-            bases_um: if achromatic { 0.0 } else { (height_um / SLICE) as f32 },
+            bases_um: if achromatic { 0.0 } else { (height_um / NOISE_SLICE) as f32 },
             achromatic,
             shift: (bits >> 16) as i32 & (NOISE_POINTS as i32 - 1),
             direction: if bits >> 63 == 0 { 1 } else { -1 },

@@ -328,7 +328,8 @@ impl PlainBrdf {
         let (k, t) = (place.floor() as i64, place - place.floor());
         let (shift, direction) = ((h >> 16) as i64 % 1024, if h >> 63 == 1 { -1 } else { 1 });
         let first = (h % 128) as f64 + (more >> 40 & 255) as f64 / 256.0;
-        // Single precision, as of the program's own.
+        // Single precision, as of the program's own. The number is written out, and not `NOISE_SLICE`: this is the reference,
+        // by the documentation alone, that would catch another one there.
         let height = if is_achromatic { 0.0 } else { (self.header.spectral.height_um / 1.5175) as f32 };
         let base = (first + f64::from(height) * sum.z * 2000.0 * PI / wavelength_nm).min(32_768.0);
         let s = base - base.floor();
