@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use barbule::brdf::FeatherBrdf;
+use barbule::characterize::WAVELENGTHS_NM;
 use barbule::{DVec3, Error, Result};
 use rayon::prelude::*;
 
@@ -48,10 +49,8 @@ pub(crate) fn is_unit(w: DVec3) -> bool {
     (0.999..=1.001).contains(&w.length_squared())
 }
 
-/// Kernels take single precision.
 fn is_wavelength(nm: f64) -> bool {
-    let nm = nm as f32;
-    nm > 0.0 && nm.is_finite()
+    WAVELENGTHS_NM.contains(&nm)
 }
 
 /// Refuses directions that are no unit vectors, with the first of them.
@@ -69,7 +68,10 @@ pub(crate) fn check_unit(name: &str, rows: Rows<'_, f64>) -> Result<()> {
 /// Refuses what is no wavelength.
 pub(crate) fn check_nm(name: &str, rows: Rows<'_, f64>) -> Result<()> {
     let bad = rows.values.par_iter().find_first(|nm| !is_wavelength(**nm));
-    bad.map_or(Ok(()), |bad| Err(Error::input(format!("'{name}' holds {bad}; give nm over 0"))))
+    bad.map_or(Ok(()), |bad| {
+        let (low, high) = (WAVELENGTHS_NM.start(), WAVELENGTHS_NM.end());
+        Err(Error::input(format!("'{name}' holds {bad}; give {low} to {high} nm")))
+    })
 }
 
 /// A batch of evaluations, as rows.

@@ -1,7 +1,7 @@
 //! What was measured, held against what is simulated; how sure simulated numbers are.
 
 use barbule::campaign::spectrum::{Collect, SpectrumRequest, spectra_and_individuals};
-use barbule::confidence::{Simulated, Uncertain, intervals as intervals_of};
+use barbule::confidence::{Simulated, Uncertain, check_individuals, intervals as intervals_of};
 use barbule::io::measured::{Scale, read_measurements};
 use barbule::progress::Progress;
 use barbule::spectrum::Spectrum;
@@ -113,9 +113,11 @@ pub(crate) fn intervals(
         uncertain.iter().map(|text| Uncertain::parse(text)).collect::<Result<Vec<_>>>().or_raise(py)?;
     How::new(threads, progress).run(py, |progress| {
         let structure = open::structure(text, &opening, progress)?;
+        let instances = structure.count().map_or(instances, |given| given.min(instances));
+        check_individuals(&structure, instances)?;
         let request = SpectrumRequest {
             wavelengths: at.clone(),
-            instances: structure.count().map_or(instances, |given| given.min(instances)),
+            instances,
             directions,
             seed,
             collect: Collect::Hemisphere,

@@ -124,9 +124,6 @@ fn warn(py: Python<'_>, watched: &Watched) -> PyResult<()> {
     if said.is_empty() {
         return Ok(());
     }
-    let category = py.import("barbule.errors")?.getattr("DoubtWarning")?;
-    for doubt in said.iter() {
-        py.import("warnings")?.call_method1("warn", (doubt, &category, 3))?;
-    }
-    Ok(())
+    let errors = py.import("barbule.errors")?;
+    said.iter().try_for_each(|doubt| errors.call_method1("doubt", (doubt,)).map(|_| ()))
 }

@@ -53,12 +53,12 @@ def test_bad_arguments_are_refused(starling):
         starling.eval(550, [[0, 0, 1], [0, 0, 2]], [0, 0, 1])
     with pytest.raises(barbule.InputError, match="'wi' in row 0 .* unit vectors"):
         starling.eval(550, [np.nan, 0, 1], [0, 0, 1])
-    for bad, said in (([], "is empty"), ([np.nan], "holds NaN"), ([-5.0], "holds -5")):
+    for bad, said in (([], "is empty"), ([np.nan], "holds NaN"), ([-5.0], "holds -5"), ([0.55], "holds 0.55; give 300 to 830 nm")):
         with pytest.raises(barbule.InputError, match=said):
             starling.eval(bad, [0, 0, 1], [0, 0, 1])
-    for bad in (np.nan, -5.0, 1e39):
+    for bad in (np.nan, -5.0, 0.55):
         for asked in (lambda nm: starling.albedo(nm, [0, 0, 1]), lambda nm: starling.sample(nm, [0, 0, 1], [0.5, 0.5])):
-            with pytest.raises(barbule.InputError, match="'wavelength_nm' holds .* nm over 0"):
+            with pytest.raises(barbule.InputError, match="'wavelength_nm' holds .*; give 300 to 830 nm"):
                 asked(bad)
     assert starling.eval([550], np.zeros((0, 3)), [0, 0, 1]).shape == (0, 1)
     with pytest.raises(barbule.InputError, match="'samples' is 0"):
@@ -248,3 +248,26 @@ def test_options_are_numbers_of_any_kind(tmp_path):
         barbule.validate("starling", tmp_path, width_um=np.inf)
     with pytest.raises(barbule.InputError, match="'ends' is 'opn'; give 'open' or 'closed'"):
         barbule.validate("starling", tmp_path, ends="opn")
+
+
+def test_a_picture_has_the_size_that_its_scene_says():
+    scene = barbule.Scene.parse('preset = "starling"\nsize = [12, 10]\n')
+    assert scene.render(samples=1).shape == (10, 12) and scene.render((8, 6), samples=1).shape == (6, 8)
+    assert barbule.Scene.load("starling").pixels() == (1280, 800)
+
+
+def test_arguments_that_change_nothing_are_said_where_they_were_given(starling):
+    structure = barbule.open("air/keratin:200/air")
+    scene = barbule.Scene.load("starling")
+    for call, name in (
+        (lambda: barbule.film("air/keratin:200/air", instances=3), "instances"),
+        (lambda: barbule.spectrum(structure, media={"x": "x.csv"}), "media"),
+        (lambda: barbule.spectrum(starling, [550], instrument="probe:10", instances=3), "instances"),
+        (lambda: barbule.render(scene, (8, 6), 1, model="film"), "model"),
+    ):
+        with pytest.warns(barbule.DoubtWarning, match=f"'{name}' has no effect here") as said:
+            call()
+        assert [one.filename for one in said] == [__file__]
+    with pytest.warns(barbule.DoubtWarning, match="did you mean 600") as said:
+        barbule.film("air/keratin:0.6/air", [550])
+    assert said[0].filename == __file__

@@ -32,6 +32,8 @@ def test_individuals_and_angles_are_read_and_compared(folder: Path) -> None:
     assert first["cause"] == "shift" and abs(first["cause_shift"] - 0.03) < 0.006
     assert first["measured_individuals"] == 2
     assert barbule.compare(simulated, folder)[1] == second
+    with pytest.raises(barbule.InputError, match="'peak_range_nm' is .700, 500."):
+        barbule.compare(simulated, known, peak_range_nm=(700, 500))
     with pytest.raises(barbule.InputError, match="no angle behind @"):
         barbule.measured(f"{folder / 'a_0deg.csv'}@x")
 
@@ -46,3 +48,5 @@ def test_intervals_follow_what_is_uncertain() -> None:
     assert peak({"keratin": 0.01})["std_of_uncertain"]["keratin"] > 1.0
     with pytest.raises(barbule.InputError, match="its layers are layer1"):
         peak({"layer3": 1.0})
+    with pytest.raises(barbule.InputError, match="instances is 1, but intervals are of how individuals of starling:green differ"):
+        barbule.intervals("starling", instances=1)

@@ -36,6 +36,8 @@ def test_what_cannot_be_traced_is_refused_in_words(tmp_path):
         (np.zeros((200, 200)), {}, "no two classes"),
         (np.zeros((200, 20)), {}, "at least 32"),
         (np.zeros((200, 200, 3)), {}, "3 axes"),
+        ((255 * rods()).astype(int), {}, "'image' holds int64; give uint8, uint16, or numbers from 0 to 1"),
+        (255 * rods(), {}, "'image' holds .*; give numbers from 0 to 1, or uint8"),
         (tmp_path / "none.png", {}, "no such file"),
         (rods(), {"kind": "crystal"}, "'kind' is 'crystal'"),
         (rods(), {"kind": "layers"}, "no layers"),

@@ -48,3 +48,16 @@ def test_data_may_reach_further_than_simulations():
     np.testing.assert_allclose(single, 0.2, rtol=1e-9)
     with pytest.raises(barbule.InputError, match="'reference' is 'last'; give 'longest' or 'rarest'"):
         barbule.vision.jnd([[0.1, 0.3, 0.5, 0.4]], reference="last")
+
+
+def test_arrays_of_other_shapes_are_refused():
+    for call, words in (
+        (lambda: barbule.vision.tetrahedral([1.0, 2.0, 3.0]), "last axis must hold 4 cones"),
+        (lambda: barbule.vision.catches([300, 700], [0.2], "starling"), "last axis must hold 2 wavelengths"),
+        (lambda: barbule.vision.jnd(np.ones((2, 2, 4))), r"give \[row, cone\]"),
+        (lambda: barbule.colours([400, 500, 600, 700], []), "last axis must hold 4 wavelengths"),
+        (lambda: barbule.see([], "starling"), "'things' is empty"),
+        (lambda: barbule.see("starling", "starling", angle_deg=[0, 30]), "'angle_deg' holds 2 angles"),
+    ):
+        with pytest.raises(barbule.InputError, match=words):
+            call()

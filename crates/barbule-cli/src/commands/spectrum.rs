@@ -13,7 +13,7 @@ use barbule::campaign::spectrum::{
     spectra_and_individuals,
 };
 use barbule::campaign::spectrum_bytes;
-use barbule::confidence::Intervals;
+use barbule::confidence::{Intervals, check_individuals};
 use barbule::error::{counted, shortened};
 use barbule::figures;
 use barbule::io::measured::{Measured, Measurements, read_measurements};
@@ -356,6 +356,9 @@ impl Args {
                 if instances == 1 { "is 1 section".to_owned() } else { format!("are {instances} sections") },
                 if instances == 1 { "it is" } else { "all are" },
             ));
+        }
+        if self.sure.is_asked() {
+            check_individuals(structure, instances).map_err(|e| Error::input(format!("--{e}")))?;
         }
         let (spectra, individuals) = self.spectra(typed, structure, instances, asked.rows, progress)?;
         self.say_grazing(&spectra, structure.width_um(), asked.rows);

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import xarray
 from numpy.typing import NDArray
 
 from . import _native
-from .errors import DoubtWarning
+from .errors import doubt
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,9 +44,9 @@ class BarbuleAccessor:
 
     def colours(self, illuminant: str = "D65") -> NDArray[np.uint8]:
         """The sRGB bytes that a screen shows of the reflectance, `[..., 3]`, under an illuminant."""
-        doubt = _native.colour_doubt(np.asarray(self.reflectance()["wavelength"].values, dtype=np.float64))
-        if doubt is not None:
-            warnings.warn(doubt, DoubtWarning, stacklevel=2)
+        said = _native.colour_doubt(np.asarray(self.reflectance()["wavelength"].values, dtype=np.float64))
+        if said is not None:
+            doubt(said)
         return self._shown(illuminant)
 
     def _shown(self, illuminant: str) -> NDArray[np.uint8]:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._labels import Axis, Quantity, labelled, numbers
-from .errors import DoubtWarning
+from ._labels import Axis, Quantity, labelled, numbers, rows_of
+from .errors import doubt
 
 if TYPE_CHECKING:
     import xarray
@@ -39,11 +38,11 @@ def colours(wavelengths_nm: ArrayLike, reflectance: ArrayLike, illuminant: str =
         >>> barbule.colours([400, 500, 600, 700], [1, 1, 1, 1])["xyz"].shape
         (1, 3)
     """
-    nm, values = numbers(wavelengths_nm), np.atleast_1d(np.asarray(reflectance, dtype=np.float64))
-    doubt = _native.colour_doubt(nm)
-    if doubt is not None:
-        warnings.warn(doubt, DoubtWarning, stacklevel=2)
-    rows = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+    nm = numbers(wavelengths_nm)
+    values, rows = rows_of("reflectance", reflectance, nm.size, "wavelengths")
+    said = _native.colour_doubt(nm)
+    if said is not None:
+        doubt(said)
     xyz, linear, shown = _native.xyz_of(nm, rows, illuminant)
     data = {
         "xyz": Quantity(xyz, ("row", "channel"), "CIE 1931 tristimulus values"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -15,7 +14,7 @@ from ._material import Material
 from ._opening import Name
 from ._progress import ProgressLike, watched
 from ._scene import Scene
-from .errors import DoubtWarning
+from .errors import doubt, idle
 
 Format = Literal["mitsuba", "bsdf", "bsdf-rgb", "pbrt", "osl", "usd", "gltf", "openpbr", "csv", "exr"]
 
@@ -91,6 +90,11 @@ def export(
         True
     """
     given = what._native if isinstance(what, (Material, Scene)) else text_of("what", what)
+    if isinstance(what, Material):
+        of_scenes = (("picture", picture), ("without", list(without) or None), ("media", media))
+        for name, said in of_scenes:
+            if said is not None:
+                idle(name, "a Material is exported as it is")
     kept = None if cache is None else Path(cache)
     with watched(progress) as watch:
         text = _native.export(
@@ -98,5 +102,5 @@ def export(
         )
     written: Written = json.loads(text)
     for remark in written["remarks"]:
-        warnings.warn(remark, DoubtWarning, stacklevel=2)
+        doubt(remark)
     return written

@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of, numbers, one_of, text_of
+from ._labels import floats, media_of, numbers, one_of, text_of
 from ._measured import Measured
 from ._opening import Name
 from ._progress import ProgressLike, watched
+from .errors import InputError
 
 _Files = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
 
@@ -115,7 +116,7 @@ def fit_structure(
     measured: _Files | tuple[ArrayLike, ArrayLike],
     model: str = "film",
     *,
-    angles_deg: ArrayLike = 0.0,
+    angles_deg: ArrayLike | None = None,
     stack: str | None = None,
     free: Sequence[str] = (),
     instrument: str | None = None,
@@ -137,13 +138,13 @@ def fit_structure(
         measured: Files as on the command line (``FILE``, ``FILE@ANGLE`` or a folder; several in a list), or a pair of arrays: wavelengths
             in nm and reflectances ``[wavelength]``, ``[angle, wavelength]`` or ``[angle, sample, wavelength]``.
         model: ``film``, ``multilayer``, ``lattice``, a species with or without a variant, or the .toml file of a species or lattice.
-        angles_deg: The angles of arrays; files say theirs.
+        angles_deg: The angles of arrays, 0 without; files say theirs.
         stack: The stack of a film or multilayer, with ``?`` or ``LOW..HIGH`` for what is to be found.
         free: Sizes of a species or lattice to be found, ``KEY`` or ``KEY=LOW..HIGH``; those that set the colour most without.
         instrument: What it was measured with, of flat layers: ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere``, ``microscope:NA``.
         plane: Whether angles lie across the barbule or along it.
         range_nm: The wavelengths that are fitted; without all that are measured from 300 to 830 nm.
-        column: The one column or sample of files to use, by name or by number from 1.
+        column: Of files the one column or sample to use, by name or by number from 1.
         level: Whether each reading has a factor of its own, or reflectances are absolute.
         offset: Whether each reading has a constant of its own too.
         solutions: How many solutions are given at least; those that fit as well as the best always are.
@@ -170,15 +171,19 @@ def fit_structure(
     """
     files: list[str] = []
     nm = values = np.zeros(0)
-    angles = numbers(angles_deg)
+    angles = numbers(0.0 if angles_deg is None else angles_deg)
     one_of("plane", plane, ("across", "along"))
     one_of("level", level, ("free", "fixed"))
     if isinstance(measured, tuple) and len(measured) == 2 and not isinstance(measured[0], (str, PathLike, Measured)):
-        nm, values = numbers(measured[0]), np.asarray(measured[1], dtype=float)
-    elif isinstance(measured, Iterable) and not isinstance(measured, (str, PathLike)):
-        files = [text_of("measured", file) for file in measured]
+        nm, values = numbers(measured[0]), floats(measured[1])
+        _check_shape(values.shape, len(nm), len(angles))
+        if column is not None:
+            raise InputError("'column' is of files; leave it out beside arrays")
     else:
-        files = [text_of("measured", measured)]
+        several = isinstance(measured, Iterable) and not isinstance(measured, (str, PathLike))
+        files = [text_of("measured", file) for file in (measured if several else [measured])]
+        if angles_deg is not None:
+            raise InputError("'angles_deg' is of arrays; files say theirs, as in 'back.csv@40'")
     with watched(progress) as watch:
         text, toml = _native.fit_structure(
             files,
@@ -203,6 +208,17 @@ def fit_structure(
         )
     document = json.loads(text)
     return Fitted([_solution(one) for one in document["solutions"]], toml, document["doubts"], document["readings"])
+
+
+def _check_shape(shape: tuple[int, ...], wavelengths: int, angles: int) -> None:
+    """Refuses reflectances whose axes are others than those of wavelengths and angles."""
+    is_of_one = len(shape) == 1 and angles == 1
+    if shape and shape[-1] == wavelengths and (is_of_one or (len(shape) in (2, 3) and shape[0] == angles)):
+        return
+    raise InputError(
+        f"'measured' holds reflectances of the shape {shape}; give [angle, wavelength] or [angle, sample, wavelength] "
+        f"of {angles} by {wavelengths}"
+    )
 
 
 def _solution(given: dict[str, Any]) -> Solution:

@@ -66,7 +66,7 @@ class Quantity:
         return self.values[index]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Arrays(Mapping[str, Quantity]):
     """Named arrays with coordinates, where xarray is not installed.
 
@@ -127,7 +127,30 @@ def labelled(data: Mapping[str, Quantity], coords: Mapping[str, Axis], **attrs: 
 
 def numbers(values: ArrayLike) -> NDArray[np.float64]:
     """Numbers as a flat array of 64-bit floats."""
-    return np.atleast_1d(np.asarray(values, dtype=np.float64)).ravel()
+    return np.atleast_1d(floats(values)).ravel()
+
+
+def floats(values: ArrayLike) -> NDArray[np.float64]:
+    """Numbers as an array of 64-bit floats.
+
+    Raises:
+        InputError: Some are masked.
+    """
+    if np.ma.is_masked(values):
+        raise InputError("some values are masked; leave them out, or fill them")
+    return np.asarray(values, dtype=np.float64)
+
+
+def rows_of(name: str, values: ArrayLike, width: int, what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Numbers as an array of at least one axis, and as rows of its last one, which is `width` long.
+
+    Raises:
+        InputError: It is not.
+    """
+    array = np.atleast_1d(floats(values))
+    if array.shape[-1] != width:
+        raise InputError(f"'{name}' has the shape {array.shape}; its last axis must hold {width} {what}")
+    return array, np.ascontiguousarray(array.reshape(-1, width))
 
 
 def media_of(media: Mapping[str, Any] | None) -> list[tuple[str, str]]:

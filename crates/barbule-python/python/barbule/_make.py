@@ -8,16 +8,19 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Union
 
+from numpy.typing import ArrayLike
+
 from . import _native
-from ._labels import plain
+from ._labels import numbers, plain
 from ._material import Material
 from ._native import Structure
 from ._opening import Name, structure_of
 from ._progress import ProgressLike, watched
+from .errors import InputError
 
 
 def _options(
-    wavelengths_nm: Sequence[float] | None,
+    wavelengths_nm: ArrayLike | None,
     directions: tuple[int, int],
     instances: int | None,
     tilt_deg: float,
@@ -36,14 +39,17 @@ def _options(
         "mirror": mirror,
     }
     if wavelengths_nm is not None:
-        options["wavelengths_nm"] = [float(nm) for nm in wavelengths_nm]
+        options["wavelengths_nm"] = numbers(wavelengths_nm)
+    for name, count in (("instances", instances), ("thin", thin), ("seed", seed)):
+        if count is not None and count < 0:
+            raise InputError(f"'{name}' is {count}; give 0 or more")
     return json.dumps({name: plain(name, value) for name, value in options.items()})
 
 
 def characterize(
     structure: Structure | Name,
     *,
-    wavelengths_nm: Sequence[float] | None = None,
+    wavelengths_nm: ArrayLike | None = None,
     directions: tuple[int, int] = (20, 20),
     instances: int | None = None,
     tilt_deg: float = 2.0,
@@ -103,7 +109,7 @@ def simulate(
     structure: Structure | Name,
     store: Union[str, "PathLike[str]"],
     *,
-    wavelengths_nm: Sequence[float] | None = None,
+    wavelengths_nm: ArrayLike | None = None,
     directions: tuple[int, int] = (20, 20),
     instances: int | None = None,
     tilt_deg: float = 2.0,

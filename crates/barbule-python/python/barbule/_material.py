@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import media_of, one_of, text_of
+from ._labels import floats, media_of, one_of, text_of
 from ._progress import ProgressLike, watched
+from .errors import InputError
 
 Reciprocity = Literal["none", "steeper", "mean"]
 
@@ -132,8 +133,8 @@ class Material:
         Returns:
             Directions ``[..., 3]`` and their densities per sr ``[...]``: NaN and 0 where none is drawn.
         """
-        nm, wi_, u_ = np.asarray(wavelength_nm, float)[..., None], np.asarray(wi, float), np.asarray(u, float)
-        shape = np.broadcast_shapes(nm.shape[:-1], _lead(wi_, "wi", 3), _lead(u_, "u", 2))
+        nm, wi_, u_ = floats(wavelength_nm)[..., None], floats(wi), floats(u)
+        shape = _shape({"wavelength_nm": nm.shape[:-1], "wi": _lead(wi_, "wi", 3), "u": _lead(u_, "u", 2)})
         count = int(np.prod(shape))
         nm, wi_, u_ = (_rows(array, shape) for array in (nm, wi_, u_))
         wo, density = self._native.sample_rows(nm, wi_, u_, count, threads)
@@ -143,8 +144,8 @@ class Material:
         self, wavelength_nm: ArrayLike, wi: ArrayLike, *, threads: int | None = None
     ) -> NDArray[np.float64]:
         """What the mean reflects of light from `wi` in all, ``[...]``."""
-        nm, wi_ = np.asarray(wavelength_nm, float)[..., None], np.asarray(wi, float)
-        shape = np.broadcast_shapes(nm.shape[:-1], _lead(wi_, "wi", 3))
+        nm, wi_ = floats(wavelength_nm)[..., None], floats(wi)
+        shape = _shape({"wavelength_nm": nm.shape[:-1], "wi": _lead(wi_, "wi", 3)})
         count = int(np.prod(shape))
         found = self._native.albedo_rows(_rows(nm, shape), _rows(wi_, shape), count, threads)
         return found.reshape(shape)
@@ -234,8 +235,17 @@ class Material:
 
 def _lead(array: NDArray[np.float64], name: str, width: int) -> tuple[int, ...]:
     if array.ndim == 0 or array.shape[-1] != width:
-        raise ValueError(f"'{name}' has the shape {array.shape}; its last axis must be {width} long")
+        raise InputError(f"'{name}' has the shape {array.shape}; its last axis must be {width} long")
     return array.shape[:-1]
+
+
+def _shape(shapes: dict[str, tuple[int, ...]]) -> tuple[int, ...]:
+    """The shape over which arguments are evaluated, each without its last axis."""
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        said = ", ".join(f"'{name}' {shape}" for name, shape in shapes.items())
+        raise InputError(f"the arguments' shapes do not fit: {said}") from None
 
 
 def _rows(array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
@@ -252,14 +262,14 @@ class _Rows:
     def __init__(
         self, wavelengths_nm: ArrayLike, wi: ArrayLike, wo: ArrayLike, instance: ArrayLike | None = None
     ) -> None:
-        nm, wi_, wo_ = (np.asarray(given, dtype=np.float64) for given in (wavelengths_nm, wi, wo))
+        nm, wi_, wo_ = (floats(given) for given in (wavelengths_nm, wi, wo))
         self._is_single = nm.ndim == 0
         nm = np.atleast_1d(nm)
-        shapes = [nm.shape[:-1], _lead(wi_, "wi", 3), _lead(wo_, "wo", 3)]
+        shapes = {"wavelengths_nm": nm.shape[:-1], "wi": _lead(wi_, "wi", 3), "wo": _lead(wo_, "wo", 3)}
         names = None if instance is None else _names(instance)
         if names is not None:
-            shapes.append(names.shape)
-        self.shape = np.broadcast_shapes(*shapes)
+            shapes["instance"] = names.shape
+        self.shape = _shape(shapes)
         self.count = int(np.prod(self.shape))
         self.nm, self.wi, self.wo = (_rows(array, self.shape) for array in (nm, wi_, wo_))
         self.instance = None if names is None else _rows(names[..., None], self.shape).reshape(-1)
@@ -275,7 +285,7 @@ def _names(instance: ArrayLike) -> NDArray[np.uint64]:
     if names.dtype.kind not in "iu":
         raise TypeError(f"'instance' holds {names.dtype}; names of barbules are whole numbers")
     if names.dtype.kind == "i" and names.size and int(names.min()) < 0:
-        raise ValueError(f"'instance' holds {int(names.min())}; names of barbules are 0 or more")
+        raise InputError(f"'instance' holds {int(names.min())}; names of barbules are 0 or more")
     # Whole numbers that are not negative have the same bits with a sign and without: no copy.
     is_alike = names.dtype.itemsize == 8 and names.dtype.isnative
     return names.view(np.uint64) if is_alike else names.astype(np.uint64)

@@ -113,6 +113,8 @@ def compare(
         known = measured(against)  # type: ignore[arg-type]
     if not known:
         raise InputError("'against' holds no measurement; give at least one")
+    if peak_range_nm is not None and not peak_range_nm[0] < peak_range_nm[1]:
+        raise InputError(f"'peak_range_nm' is {peak_range_nm}; give two rising wavelengths")
     nm = numbers(simulated["wavelength"])
     found: list[dict[str, Any] | None] = []
     for index, angle in enumerate(numbers(simulated["angle"])):

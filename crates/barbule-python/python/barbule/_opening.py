@@ -11,6 +11,7 @@ from ._labels import media_of, text_of
 from ._material import Material
 from ._native import Structure
 from ._progress import ProgressLike, watched
+from .errors import idle
 
 #: The name of something, or a file.
 Name = Union[str, "PathLike[str]"]
@@ -52,6 +53,8 @@ def open(
 def structure_of(given: Structure | Name, media: Mapping[str, Name] | None = None) -> Structure:
     """A structure, opened if it is a name."""
     if isinstance(given, Structure):
+        if media:
+            idle("media", "the structure is open already; barbule.open takes them")
         return given
     found = open(text_of("structure", given), media=media, progress=False)
     if isinstance(found, Structure):

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, Union
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,13 +17,16 @@ from ._material import Material
 from ._native import Section, Structure
 from ._opening import Name, structure_of
 from ._progress import ProgressLike, watched
-from .errors import InputError
+from .errors import InputError, idle
 
 if TYPE_CHECKING:
     import xarray
 
-#: 400 to 700 nm in steps of 5.
-VISIBLE_NM = tuple(float(nm) for nm in range(400, 701, 5))
+#: 400 to 694 nm in steps of 6: what commands take, too, unless they are told otherwise.
+VISIBLE_NM = tuple(float(nm) for nm in range(400, 695, 6))
+
+#: Random individuals unless told otherwise.
+INSTANCES = 50
 
 _FILM: dict[str, tuple[str, tuple[str, ...]]] = {
     f"{letter}_{polarization}": (f"{what}, {polarization}-polarized", dims)
@@ -45,7 +48,7 @@ def film(
     angles_deg: ArrayLike = 0.0,
     *,
     gradients: bool = False,
-    instances: int = 50,
+    instances: int | None = None,
     seed: int = 1,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
@@ -59,7 +62,7 @@ def film(
         wavelengths_nm: Vacuum wavelengths, rising.
         angles_deg: Angles in the first medium, from the normal.
         gradients: Whether derivatives of the reflected amplitudes and reflectances are wanted too, of a stack without spreads.
-        instances: Number of random individuals of a stack whose thicknesses spread.
+        instances: Number of random individuals of a stack whose thicknesses spread, 50 without.
         seed: Their seed.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
@@ -76,7 +79,7 @@ def film(
         InputError: Not the stack language, an unknown medium, an angle at or past grazing, gradients of a stack whose thicknesses spread.
 
     Warns:
-        DoubtWarning: A layer is thinner than 1 nm, as if micrometres were meant.
+        DoubtWarning: A layer is thinner than 1 nm, as if micrometres were meant; wavelengths are further apart than fringes.
 
     Example:
         >>> import barbule
@@ -88,9 +91,13 @@ def film(
     # Refused before there is any work.
     values = _native.film_gradients(text, nm, angles, own, threads) if gradients else []
     with watched(progress) as watch:
-        found = _native.film(text, nm, angles, instances, seed, own, threads, watch)
+        count = INSTANCES if instances is None else instances
+        found = _native.film(text, nm, angles, count, seed, own, threads, watch)
     data = {name: Quantity(found[name], dims, words) for name, (words, dims) in _FILM.items()}
-    if "std" in found:
+    drawn = {"seed": seed, "instances": count} if "std" in found else {}
+    if instances is not None and not drawn:
+        idle("instances", "no thickness of this stack spreads, as keratin:200±5% does")
+    if drawn:
         data["std"] = Quantity(found["std"], ("angle", "wavelength"), "standard deviation of individuals, unpolarized reflectance")
     coords = {"angle": Axis(angles, "angle of incidence", "degree"), "wavelength": axis_nm(nm)}
     if gradients:
@@ -105,7 +112,7 @@ def film(
                 f"dR_dn_{polarization}": Quantity(2 * (r * by_n).real, media_, f"d(reflectance)/dn, {words}"),
                 f"dR_dk_{polarization}": Quantity(-2 * (r * by_n).imag, media_, f"d(reflectance)/dk, {words}"),
             }
-    return labelled(data, coords, stack=text)
+    return labelled(data, coords, stack=text, **drawn)
 
 
 def spectrum(
@@ -114,7 +121,7 @@ def spectrum(
     angles_deg: ArrayLike = 0.0,
     *,
     plane: Literal["across", "along"] = "across",
-    instances: int = 50,
+    instances: int | None = None,
     seed: int = 1,
     cone_deg: float | None = None,
     instrument: str | None = None,
@@ -132,7 +139,7 @@ def spectrum(
         wavelengths_nm: Vacuum wavelengths, rising.
         angles_deg: Angles of the light from the normal; of an instrument how far the feather is turned away from its axis.
         plane: Whether the light turns across the barbule or along it.
-        instances: Number of random individuals.
+        instances: Number of random individuals, 50 without.
         seed: Their seed.
         cone_deg: Only what falls within this angle of the mirror direction; all of it without.
         instrument: Reading of ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere`` or ``microscope:NA`` (degrees, CONE the half angle) beside
@@ -162,6 +169,9 @@ def spectrum(
     if isinstance(structure, Material):
         if instrument is None or polarization is not None or cone_deg is not None:
             raise InputError("a Material is read by an instrument in unpolarized light: give instrument='probe:10' or another alone")
+        for name, given in (("instances", instances), ("media", media)):
+            if given is not None:
+                idle(name, "a Material is made already, and its smooth mean is read")
         with watched(progress) as watch:
             found = _native.material_readings(
                 structure._native, nm, angles, instrument, plane == "along", turn_deg, _both(tilt_deg), threads, watch
@@ -179,15 +189,16 @@ def spectrum(
     opened = structure_of(structure, media)
     nothing = np.zeros_like(angles)
     theta, phi = (nothing, angles) if plane == "across" else (angles, nothing)
+    count = INSTANCES if instances is None else instances
     weights = {None: [0.5, 0.5], 1: [1.0, 0.0], 2: [0.0, 1.0]}[polarization]
     with watched(progress) as watch:
         if instrument is None:
             mean, std, individuals, flagged = _native.spectra(
-                opened, nm, theta, phi, instances, seed, cone_deg, weights, threads, watch
+                opened, nm, theta, phi, count, seed, cone_deg, weights, threads, watch
             )
         else:
             mean, std, individuals, flagged = _native.readings(
-                opened, nm, angles, instrument, plane == "along", turn_deg, _both(tilt_deg), instances, seed, weights, threads, watch
+                opened, nm, angles, instrument, plane == "along", turn_deg, _both(tilt_deg), count, seed, weights, threads, watch
             )
     over = ("angle", "wavelength")
     what = "reflected fraction" if instrument is None else "reading beside white"
@@ -202,8 +213,11 @@ def spectrum(
         "wavelength": axis_nm(nm),
         "instance": Axis(np.arange(individuals.shape[0]), "number of the individual"),
     }
-    read_by = {} if instrument is None else {"instrument": instrument, "reference": "white"}
-    return labelled(data, coords, structure=opened.name, seed=seed, **read_by)
+    how: dict[str, Any] = {"structure": opened.name, "seed": seed, "instances": individuals.shape[0], "plane": plane}
+    how |= {} if instrument is None else {"instrument": instrument, "reference": "white"}
+    how |= {} if cone_deg is None else {"cone_deg": cone_deg}
+    how |= {} if polarization is None else {"polarization": polarization}
+    return labelled(data, coords, **how)
 
 
 def _both(tilt_deg: float | tuple[float, float]) -> tuple[float, float]:
@@ -328,7 +342,7 @@ def far_fields(
         "polarization": Axis(np.array([1, 2]), "incident polarization"),
         "phi_o": Axis(found["phi_o"], "outgoing azimuth across the barbule", "degree"),
     }
-    return labelled(data, coords, section=section.name, solver=solver)
+    return labelled(data, coords, section=section.name, solver=solver, window=window)
 
 
 def crystal(

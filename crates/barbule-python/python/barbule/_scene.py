@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Union
 
+from numpy.typing import ArrayLike
+
 from . import _native
-from ._labels import media_of, text_of
+from ._labels import media_of, numbers, text_of
 from ._native import Picture
 from ._opening import Name
 from ._progress import ProgressLike, watched
+from .errors import idle
 
 
 def presets() -> dict[str, str]:
@@ -94,6 +97,17 @@ class Scene:
         """The folder in which the files lie that it names."""
         return self._native.folder
 
+    def pixels(self, size: tuple[int, int] | None = None) -> tuple[int, int]:
+        """Width and height of its picture: those asked for, else its own, else 1280 by 800.
+
+        Example:
+            >>> import barbule
+            >>> barbule.Scene.parse('preset = "starling"\\nsize = [48, 30]\\n').pixels()
+            (48, 30)
+        """
+        own = self._native.size if size is None else size
+        return (1280, 800) if own is None else (own[0], own[1])
+
     def toml(self) -> str:
         """The text of a scene file: every key with its value."""
         return self._native.toml()
@@ -104,13 +118,13 @@ class Scene:
 
     def render(
         self,
-        size: tuple[int, int] = (1280, 800),
+        size: tuple[int, int] | None = None,
         samples: int | None = None,
         *,
         noise: float | None = None,
         quality: str | None = None,
         seed: int = 1,
-        spectral_nm: Sequence[float] = (),
+        spectral_nm: ArrayLike = (),
         compositing: bool = False,
         denoise: Union[bool, str, "PathLike[str]"] = False,
         tone: str | None = None,
@@ -123,7 +137,7 @@ class Scene:
         """Renders it; the same bits on any number of threads.
 
         Args:
-            size: Width and height, pixels.
+            size: Width and height, pixels; the scene's own, or 1280 by 800, without.
             samples: Samples per pixel; the most, where `noise` is given. 16, or 4096 with `noise`.
             noise: Ends tiles whose relative standard error is below this.
             quality: Samples and noise by a word: ``"draft"``, ``"good"`` or ``"final"``; `samples` and `noise` hold beside it.
@@ -142,13 +156,13 @@ class Scene:
         Returns:
             A picture: ``rgb()``, ``planes()``, ``save(path)``, ``lamps``.
         """
-        bands = [float(nm) for nm in spectral_nm]
+        bands = numbers(spectral_nm).tolist()
         folder = None if cache is None else Path(cache)
         library = None if isinstance(denoise, bool) else Path(denoise)
         white = None if white_balance is None else str(white_balance)
         with watched(progress) as watch:
             return self._native.render(
-                list(size),
+                list(self.pixels(size)),
                 samples,
                 noise,
                 quality,
@@ -168,13 +182,13 @@ class Scene:
 
 def render(
     scene: Scene | Name,
-    size: tuple[int, int] = (1280, 800),
+    size: tuple[int, int] | None = None,
     samples: int | None = None,
     *,
     noise: float | None = None,
     quality: str | None = None,
     seed: int = 1,
-    spectral_nm: Sequence[float] = (),
+    spectral_nm: ArrayLike = (),
     compositing: bool = False,
     model: str | None = None,
     denoise: Union[bool, str, "PathLike[str]"] = False,
@@ -193,6 +207,8 @@ def render(
         >>> picture.rgb().shape
         (16, 24, 3)
     """
+    if isinstance(scene, Scene) and model is not None:
+        idle("model", "the scene is open already; Scene.load takes it")
     opened = scene if isinstance(scene, Scene) else Scene.load(scene, model=model, media=media, progress=progress)
     return opened.render(
         size,

@@ -111,8 +111,7 @@ def trace(
         given: NDArray[np.float32] | Path = Path(image)
     else:
         array = np.asarray(image)
-        most = np.iinfo(array.dtype).max if array.dtype.kind in "iu" else 1
-        given = np.ascontiguousarray(array / most, dtype=np.float32)
+        given = np.ascontiguousarray(_grey(array), dtype=np.float32)
         if given.ndim != 2:
             raise InputError(f"'image' has {given.ndim} axes; give greys [row, column], of colours one channel or their mean")
     return Traced(
@@ -128,3 +127,20 @@ def trace(
         )
     )
 
+
+
+def _grey(image: NDArray[Any]) -> NDArray[Any]:
+    """Greys from 0 to 1.
+
+    Raises:
+        InputError: Whole numbers of which nobody knows what is white, or greys that are none.
+    """
+    if image.dtype.kind == "b":
+        return image
+    if image.dtype.kind == "u" and image.dtype.itemsize <= 2:
+        return image / np.iinfo(image.dtype).max
+    if image.dtype.kind != "f":
+        raise InputError(f"'image' holds {image.dtype}; give uint8, uint16, or numbers from 0 to 1")
+    if image.size and not (np.min(image) >= 0.0 and np.max(image) <= 1.0):
+        raise InputError(f"'image' holds {np.min(image):g} to {np.max(image):g}; give numbers from 0 to 1, or uint8 or uint16")
+    return image

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
+from pathlib import Path
+
 __all__ = ["BarbuleError", "DoubtWarning", "InputError", "MachineError", "NotSettledError"]
 
 
@@ -96,3 +100,19 @@ class DoubtWarning(UserWarning):
         >>> "did you mean 300?" in str(said[0].message)
         True
     """
+
+
+_PACKAGE = str(Path(__file__).parent)
+
+
+def doubt(message: str) -> None:
+    """Warns of what was given, on the line outside of this package that gave it."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(_PACKAGE):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, DoubtWarning, stacklevel=level)
+
+
+def idle(name: str, why: str) -> None:
+    """Warns that an argument that was given changes nothing."""
+    doubt(f"'{name}' has no effect here: {why}")

@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._labels import Axis, Quantity, axis_nm, labelled, media_of, numbers, one_of, text_of
+from ._labels import Axis, Quantity, axis_nm, floats, labelled, media_of, numbers, one_of, rows_of, text_of
 from ._opening import Name
 from ._progress import ProgressLike, watched
+from .errors import InputError
 
 if TYPE_CHECKING:
     import xarray
@@ -105,8 +106,8 @@ def catches(
         >>> single.round(9).tolist()
         [0.25, 0.25, 0.25, 0.25]
     """
-    nm, values = numbers(wavelengths_nm), np.atleast_1d(np.asarray(reflectance, dtype=np.float64))
-    rows = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+    nm = numbers(wavelengths_nm)
+    values, rows = rows_of("reflectance", reflectance, nm.size, "wavelengths")
     single, double = _native.catches(nm, rows, text_of("bird", bird), text_of("illuminant", illuminant))
     return single.reshape(*values.shape[:-1], -1), double.reshape(values.shape[:-1])
 
@@ -133,7 +134,9 @@ def jnd(
         >>> round(float(barbule.vision.jnd([[0.1, 0.3, 0.5, 0.4], [0.1, 0.3, 0.5, 0.42]])[0, 1]), 5)
         0.36366
     """
-    rows = np.ascontiguousarray(np.atleast_2d(np.asarray(catches, dtype=np.float64)))
+    rows = np.ascontiguousarray(np.atleast_2d(floats(catches)))
+    if rows.ndim != 2:
+        raise InputError(f"'catches' has the shape {rows.shape}; give [row, cone]")
     one_of("reference", reference, ("longest", "rarest"))
     return _native.jnd(rows, numbers(ratio), weber, reference == "rarest")
 
@@ -153,8 +156,7 @@ def tetrahedral(catches: ArrayLike) -> xarray.Dataset:
         >>> [round(float(r), 9) for r in place["r"]]
         [0.75, 0.0]
     """
-    values = np.asarray(catches, dtype=np.float64)
-    rows = np.ascontiguousarray(values.reshape(-1, values.shape[-1]))
+    _, rows = rows_of("catches", catches, 4, "cones")
     found = _native.tetrahedral(rows)
     data = {name: Quantity(found[:, k], ("row",), *words) for k, (name, words) in enumerate(_PLACES.items())}
     return labelled(data, {"row": Axis(np.arange(len(rows)), "row of the catches")})
@@ -208,6 +210,9 @@ def see(
         >>> seen["delta_s"].shape
         (2, 2)
     """
+    angles = numbers(angle_deg)
+    if angles.size != 1:
+        raise InputError(f"'angle_deg' holds {angles.size} angles; give one")
     eye = sensitivities(bird)
     names: list[str] = []
     rows: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
@@ -215,10 +220,12 @@ def see(
     with watched(progress) as watch:
         for thing in asked:
             found = _native.things(
-                text_of("things", thing), samples, numbers(wavelengths_nm), numbers(angle_deg), instances, seed, media_of(media), threads, watch
+                text_of("things", thing), samples, numbers(wavelengths_nm), angles, instances, seed, media_of(media), threads, watch
             )
             names += [name for name, _, _ in found]
             rows += [(nm, values) for _, nm, values in found]
+    if not rows:
+        raise InputError("'things' is empty; give at least one")
     seen = [catches(nm, values, bird, illuminant) for nm, values in rows]
     single, double = np.stack([cones for cones, _ in seen]), np.array([float(of) for _, of in seen])
     numbers_of_cones = np.asarray(eye["abundance"]) if ratio is None else numbers(ratio)

@@ -12,6 +12,7 @@ mod uncertain;
 pub use numbers::{Known, Part};
 pub use uncertain::{Amount, Uncertain};
 
+use crate::error::shortened;
 use crate::math::rng::Stream;
 use crate::open::Opening;
 use crate::progress::{Progress, Several};
@@ -51,6 +52,21 @@ pub struct Simulated<'a> {
 
 /// How a structure is simulated as the one was whose intervals are wanted, with the same individuals: means, `[direction][wavelength]`.
 pub type Simulate<'a> = &'a dyn Fn(Structure, &dyn Progress) -> Result<Vec<Vec<f64>>>;
+
+/// Refuses, before anything is simulated, intervals from one of several individuals: how they differ it does not show.
+///
+/// # Errors
+/// One individual of a structure that has several.
+pub fn check_individuals(structure: &Structure, individuals: usize) -> Result<()> {
+    if individuals > 1 || structure.count() == Some(1) {
+        return Ok(());
+    }
+    let name = structure.name();
+    Err(Error::input(format!(
+        "instances is 1, but intervals are of how individuals of {} differ; give at least 2",
+        shortened(&name)
+    )))
+}
 
 /// The intervals of each direction of a spectrum of the structure that `text` names. `progress` hears of two simulations for each uncertain
 /// input; `seed` is that of the resampling.

@@ -21,6 +21,12 @@ pub(super) struct IntervalArgs {
     uncertain: Vec<Uncertain>,
 }
 
+impl IntervalArgs {
+    pub(super) fn is_asked(&self) -> bool {
+        self.intervals
+    }
+}
+
 impl Args {
     /// The intervals of each angle, if they are asked for.
     pub(super) fn intervals(
@@ -31,7 +37,7 @@ impl Args {
         asked: Asked,
         progress: &dyn Progress,
     ) -> Result<Option<Vec<Intervals>>> {
-        if !self.sure.intervals {
+        if !self.sure.is_asked() {
             return Ok(None);
         }
         let of = |a: usize| (0..individuals.count()).map(|i| individuals.of(i, a).to_vec()).collect();

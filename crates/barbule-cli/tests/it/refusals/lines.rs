@@ -209,6 +209,10 @@ pub(super) const LINES: &[(&str, &str)] = &[
     // Spectra.
     ("spectrum", "STRUCTURE"),
     ("spectrum starling --angle 95", "past grazing"),
+    (
+        "spectrum starling --intervals --instances 1",
+        "--instances is 1, but intervals are of how individuals of starling:green differ; give at least 2",
+    ),
     ("spectrum starling --plane beside", "across"),
     ("spectrum starling --collect cone:91", "cone:5"),
     ("spectrum starling --collect sphere", "hemisphere"),

@@ -81,7 +81,7 @@ def render_frames(
     output: Union[str, "PathLike[str]"],
     *,
     client: Any,
-    size: tuple[int, int] = (1280, 800),
+    size: tuple[int, int] | None = None,
     samples: int | None = None,
     noise: float | None = None,
     quality: str | None = None,
@@ -105,7 +105,7 @@ def render_frames(
             them.
         output: Where frames go, a place that all workers see: ``F.png`` makes ``F-0000.png``, ``F-0001.png`` …
         client: A `distributed.Client`.
-        size: Width and height, pixels.
+        size: Width and height, pixels; the scene's own, or 1280 by 800, without.
         samples: As for `Scene.render`, and so the next ones.
         noise: As for `Scene.render`.
         quality: As for `Scene.render`.

@@ -10,7 +10,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Union
 
+from numpy.typing import ArrayLike
+
 from .. import _native
+from .._labels import numbers
 from .._opening import Name
 from .._progress import ProgressLike, watched
 from .._scene import Scene
@@ -37,7 +40,7 @@ class PictureWork:
     output: str
     media: tuple[tuple[str, str], ...]
     cache: str | None
-    size: tuple[int, int]
+    size: tuple[int, int] | None
     samples: int | None
     noise: float | None
     quality: str | None
@@ -66,10 +69,11 @@ class PictureWork:
         library: Path | None = None,
     ) -> _native.Parts:
         """The parts, of a scene of which everything is read."""
+        scene = opened(self.scene, self.media, watch)
         return _native.Parts(
-            opened(self.scene, self.media, watch)._native,
+            scene._native,
             Path(self.output),
-            list(self.size),
+            list(scene.pixels(self.size)),
             self.samples,
             self.noise,
             self.quality,
@@ -131,12 +135,12 @@ def render(
     output: Union[str, "PathLike[str]"],
     *,
     client: Any,
-    size: tuple[int, int] = (1280, 800),
+    size: tuple[int, int] | None = None,
     samples: int | None = None,
     noise: float | None = None,
     quality: str | None = None,
     seed: int = 1,
-    spectral_nm: Sequence[float] = (),
+    spectral_nm: ArrayLike = (),
     compositing: bool = False,
     denoise: Union[bool, str, "PathLike[str]"] = False,
     tone: str | None = None,
@@ -160,7 +164,7 @@ def render(
         scene: A scene, or whatever `Scene.load` opens; files lie where all workers see them.
         output: The picture, in a folder that all workers see.
         client: A `distributed.Client`.
-        size: Width and height, pixels.
+        size: Width and height, pixels; the scene's own, or 1280 by 800, without.
         samples: As for `Scene.render`, and so the next ones.
         noise: As for `Scene.render`.
         quality: As for `Scene.render`.
@@ -193,12 +197,12 @@ def render(
         output=str(path),
         media=placed_media(media),
         cache=None if cache is None else str(Path(cache).absolute()),
-        size=(size[0], size[1]),
+        size=None if size is None else (size[0], size[1]),
         samples=samples,
         noise=noise,
         quality=quality,
         seed=seed,
-        spectral_nm=tuple(float(nm) for nm in spectral_nm),
+        spectral_nm=tuple(numbers(spectral_nm).tolist()),
         compositing=compositing or denoises,
         tone=tone,
         white_balance=None if white_balance is None else str(white_balance),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import tempfile
-import warnings
 from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -14,7 +13,7 @@ from .._labels import media_of
 from .._opening import Name
 from .._progress import ProgressLike, watched
 from .._scene import Scene
-from ..errors import DoubtWarning
+from ..errors import doubt
 from ._base import mi
 
 #: Folders of scenes for which nobody named one: they go when the process ends.
@@ -61,13 +60,13 @@ def scene(
         _folders.append(tempfile.TemporaryDirectory(prefix="barbule-"))
         folder = _folders[-1].name
     place = Path(folder).absolute()
-    wide, high = size or opened._native.size or (1280, 800)
+    wide, high = opened.pixels(size)
     kept = None if cache is None else Path(cache)
     with watched(progress) as watch:
         text = opened._native.mitsuba(place, [wide, high], samples, seed, list(without), media_of(media), kept, watch)
     found = json.loads(text)
     for remark in found["remarks"]:
-        warnings.warn(remark, DoubtWarning, stacklevel=2)
+        doubt(remark)
     return {key: _plugin(value, place) for key, value in found["scene"].items()}
 
 
