@@ -38,6 +38,13 @@ pub fn of_material(
 ) -> Result<Vec<Vec<f64>>> {
     mounts.iter().try_for_each(Mount::check)?;
     let nm = wavelengths.nm();
+    let nodes = material.axes.wavelengths_nm();
+    let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
+    if let Some(bad) = nm.iter().find(|nm| !(first..=last).contains(*nm)) {
+        return Err(Error::input(format!(
+            "{bad} nm is outside {first} to {last} nm, the wavelengths that the material is known at; give others, or characterize the structure at these"
+        )));
+    }
     let brdf = FeatherBrdf::new(&material.around(nm)?, Options { polarization, ..Options::default() })?;
     progress.begin("reading", mounts.len() as u64);
     mounts
