@@ -244,10 +244,13 @@ fn usable(reciprocity: Reciprocity, tables: &BrdfTables) -> Reciprocity {
     }
 }
 
+/// What z of a direction that leaves the surface is above: what is divided by it stays within single precision.
+const LEAST_COSINE: f64 = 1e-10;
+
 /// Whether a direction leaves the surface.
 #[inline(always)]
 pub(super) fn is_above(w: DVec3) -> bool {
-    w.z > 0.0
+    w.z > LEAST_COSINE
 }
 
 /// Wave number times wavelength, (rad/µm) nm.
@@ -367,7 +370,7 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let longitudinal = &self.brdf.tables.longitudinal;
         let inclination = longitudinal.draw(&longitudinal.mixed(&simplex), incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
-        (outgoing.z > 0.0).then_some(outgoing)
+        is_above(outgoing).then_some(outgoing)
     }
 
     /// See [`FeatherBrdf::pdf`]; `lane` chooses the wavelength.
