@@ -397,7 +397,7 @@ fn inclusions_count_wherever_they_lie() {
         assert!((found / expected - 1.0).abs() < 0.02, "{depth}: {found} {expected}");
     }
     for refused in [
-        far_field(&bar(0.9, 0.6), &beam(500.0, 0.0, 0.0), 90, Accuracy::default()).unwrap_err(),
+        far_field(&bar(0.9, 0.6), &beam(500.0, 0.0, 0.0), 90, &Accuracy::default()).unwrap_err(),
         direct::far_field(&bar(0.9, 0.6), &beam(500.0, 0.0, 0.0), 90, 0.05).unwrap_err(),
     ] {
         assert!(refused.to_string().contains("inclusions[0] lies above the top"), "{refused}");
