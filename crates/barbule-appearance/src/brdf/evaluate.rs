@@ -237,10 +237,13 @@ fn usable(reciprocity: Reciprocity, tables: &BrdfTables) -> Reciprocity {
     }
 }
 
+/// What z of a direction that leaves the surface is above: what is divided by it stays within single precision.
+const LEAST_COSINE: f64 = 1e-10;
+
 /// Whether a direction leaves the surface.
 #[inline(always)]
 pub(super) fn is_above(w: DVec3) -> bool {
-    w.z > 0.0
+    w.z > LEAST_COSINE
 }
 
 /// Wave number times wavelength, (rad/µm) nm.

@@ -387,3 +387,13 @@ fn python_agrees(material: &FeatherMaterial) {
     // Some of these have a steady part, or it would not have been compared.
     assert!(documents.iter().any(|d| !d.contains("\"s\":[[0.0,0.0")));
 }
+
+#[test]
+fn the_bench_compares_with_the_plain_evaluation() {
+    let found: Value = json(&["bench", "brdf", "starling", "--json"]);
+    for name in ["instance_ns", "smooth_ns", "together_ns", "sample_ns"] {
+        assert!(found[name].as_f64().unwrap() > 0.0, "{name}: {found}");
+    }
+    assert!(found["plain_ratio"].as_f64().unwrap() > 1.0, "{found}");
+    assert!(found["largest_difference"].as_f64().unwrap() < 1e-4, "{found}");
+}

@@ -78,7 +78,7 @@ impl<const N: usize> PreparedBrdf<'_, N> {
         let longitudinal = &self.brdf.tables.longitudinal;
         let inclination = longitudinal.draw(&longitudinal.mixed(&simplex), incident.along, left);
         let outgoing = direction(incident, azimuth, inclination);
-        (outgoing.z > 0.0).then_some(outgoing)
+        is_above(outgoing).then_some(outgoing)
     }
 
     /// See [`FeatherBrdf::pdf`]; `lane` chooses the wavelength.
