@@ -15,7 +15,7 @@ pub use json_text::{in_json, parse_json};
 pub use key::{Choice, Key, Kind, Usual, canonical, inner, schema, table_at};
 pub use record::{Fed, Record, chosen, one_of, unknown};
 pub use toml_text::{at_key, at_line, at_span, in_toml, line_of, parse_toml};
-pub use value::{FieldValue, Several, Text, Within, degrees, up_to, within};
+pub use value::{FieldValue, NumbersByName, Several, Text, Within, degrees, up_to, within};
 
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};

@@ -10,87 +10,27 @@
 use barbule::brdf::fixtures::example;
 use barbule::brdf::{FeatherBrdf, Options};
 use barbule::bsdf::{Absorption, FibreIndex, Frame, Hair, HairParameters, Hit, Surface};
-use barbule::math::rng::Stream;
 use barbule::spectrum::dense::Lambdas;
+use barbule_bench::brdf::{Call, calls, nanoseconds, nanoseconds_together};
 use cpu_time::ProcessTime;
 use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
 
-const COUNT: usize = 4096;
+/// How often all calls are made.
+const ROUNDS: usize = 100;
 
-/// One call's arguments; the lobe sends light from the one direction to the other (no zeros to skip).
-#[derive(Clone)]
-struct Call {
-    wi: DVec3,
-    wo: DVec3,
-    waves: [f32; 4],
-    u: [f64; 2],
+/// Between a call's four wavelengths another four.
+fn eight(call: &Call) -> [f32; 8] {
+    std::array::from_fn(|k| call.waves[k / 2] + if k % 2 == 0 { 0.0 } else { 36.0 })
 }
 
-impl Call {
-    /// Between the four another four.
-    fn eight(&self) -> [f32; 8] {
-        std::array::from_fn(|k| self.waves[k / 2] + if k % 2 == 0 { 0.0 } else { 36.0 })
-    }
+fn say(name: &str, nanoseconds: f64) {
+    println!("{name:45} {nanoseconds:7.1} ns");
 }
 
-fn calls(brdf: &FeatherBrdf) -> Vec<Call> {
-    let mut stream = Stream::new(1, &[]);
-    let mut calls = Vec::new();
-    while calls.len() < COUNT {
-        let z = stream.uniform(0.1, 1.0);
-        let (sin, cos) = stream.uniform(0.0, std::f64::consts::TAU).sin_cos();
-        let r = (1.0 - z * z).sqrt();
-        let wi = DVec3::new(r * cos, r * sin, z);
-        let u = [stream.unit(), stream.unit()];
-        let first = stream.uniform(400.0, 470.0);
-        let waves = [0.0, 75.0, 150.0, 220.0].map(|step| (first + step) as f32);
-        if let Some((wo, _)) = brdf.sample(waves[0], wi, u) {
-            calls.push(Call { wi, wo, waves, u });
-        }
-    }
-    calls
-}
-
-/// Lower quartile of ns per call over runs of 256 calls.
-fn measure<R>(name: &str, calls: &[Call], mut call: impl FnMut(&Call, u64) -> R) {
-    let mut times = Vec::new();
-    let mut instance = 0;
-    for _ in 0..100 {
-        for run in calls.chunks(256) {
-            let begun = Instant::now();
-            for arguments in run {
-                instance += 1;
-                black_box(call(black_box(arguments), instance));
-            }
-            times.push(begun.elapsed().as_secs_f64() * 1e9 / run.len() as f64);
-        }
-    }
-    times.sort_by(f64::total_cmp);
-    println!("{name:45} {:7.1} ns", times[times.len() / 4]);
-}
-
-/// The same of pairs together, as many in a run.
-fn measure_together(name: &str, brdf: &FeatherBrdf, calls: &[Call], has_instances: bool) {
-    let directions: Vec<_> = calls.iter().map(|call| [call.wi, call.wo]).collect();
-    let waves: Vec<_> = calls.iter().map(|call| call.waves).collect();
-    let mut names: Vec<u64> = (0..calls.len() as u64).collect();
-    let mut values = vec![[0.0; 4]; calls.len()];
-    let mut times = Vec::new();
-    for _ in 0..100 {
-        names.iter_mut().for_each(|name| *name += COUNT as u64);
-        for first in (0..calls.len()).step_by(256) {
-            let run = first..calls.len().min(first + 256);
-            let begun = Instant::now();
-            let names = has_instances.then(|| &names[run.clone()]);
-            brdf.eval_all(&directions[run.clone()], &waves[run.clone()], names, &mut values[run.clone()]);
-            black_box(&values);
-            times.push(begun.elapsed().as_secs_f64() * 1e9 / run.len() as f64);
-        }
-    }
-    times.sort_by(f64::total_cmp);
-    println!("{name:45} {:7.1} ns", times[times.len() / 4]);
+fn measure<R>(name: &str, calls: &[Call], call: impl FnMut(&Call, u64) -> R) {
+    say(name, nanoseconds(calls, ROUNDS, call));
 }
 
 /// A fibre at the wavelengths of a call; light from its one direction to the other.
@@ -107,7 +47,7 @@ fn measure_hair(name: &str, calls: &[Call], index: FibreIndex, height_over_width
     let surface = Surface::Hair(Hair::new(parameters).expect("hair"));
     let frame = Frame { x: DVec3::X, y: DVec3::Y, z: DVec3::Z };
     let hit = Hit { frame, ..Hit::default() };
-    let waves = |c: &Call| Lambdas::new(c.eight().map(f64::from));
+    let waves = |c: &Call| Lambdas::new(eight(c).map(f64::from));
     measure(&format!("{name}: bind"), calls, |c, _| surface.bind(&hit, c.wi, waves(c)));
     measure(&format!("{name}: bind, eval"), calls, |c, _| surface.bind(&hit, c.wi, waves(c)).eval(c.wo));
     measure(&format!("{name}: bind, sample"), calls, |c, n| {
@@ -142,10 +82,10 @@ fn main() {
     let calls = calls(&brdf);
     measure("eval of 4 wavelengths with instance", &calls, |c, n| brdf.eval(c.waves, c.wi, c.wo, Some(n)));
     measure("eval of 4 wavelengths, smooth", &calls, |c, _| brdf.eval(c.waves, c.wi, c.wo, None));
-    measure("eval of 8 wavelengths with instance", &calls, |c, n| brdf.eval(c.eight(), c.wi, c.wo, Some(n)));
-    measure("eval of 8 wavelengths, smooth", &calls, |c, _| brdf.eval(c.eight(), c.wi, c.wo, None));
-    measure_together("eval of 4 wavelengths together, instance", &brdf, &calls, true);
-    measure_together("eval of 4 wavelengths together, smooth", &brdf, &calls, false);
+    measure("eval of 8 wavelengths with instance", &calls, |c, n| brdf.eval(eight(c), c.wi, c.wo, Some(n)));
+    measure("eval of 8 wavelengths, smooth", &calls, |c, _| brdf.eval(eight(c), c.wi, c.wo, None));
+    say("eval of 4 wavelengths together, instance", nanoseconds_together(&brdf, &calls, true));
+    say("eval of 4 wavelengths together, smooth", nanoseconds_together(&brdf, &calls, false));
     // What a renderer does: several lights at each point.
     measure("four evaluations of 4 of one hit, instance", &calls, |c, n| towards_four(&brdf, c, n));
     measure("prepare", &calls, |c, _| brdf.prepare(c.waves, c.wi));

@@ -15,7 +15,7 @@ pub struct FigureArgs {
     #[arg(short, long, value_name = "FIG")]
     pub output: Option<PathBuf>,
     /// Title of the figure, '' for none [default: what it shows]
-    #[arg(long, value_name = "TEXT", requires = "output", help_heading = FIGURE)]
+    #[arg(long, value_name = "TEXT", requires = "output", help_heading = FIGURE, value_parser = title)]
     pub title: Option<String>,
     /// Width and height of the figure, as in 85x60mm, 3.3x2.5in or 1200x800px
     #[arg(long, value_name = "WxH", requires = "output", help_heading = FIGURE, value_parser = size)]
@@ -29,6 +29,16 @@ pub struct FigureArgs {
 }
 
 const FIGURE: &str = "Figure";
+
+/// Letters of a title: what no figure has room for takes long to set.
+const LONGEST_TITLE: usize = 500;
+
+fn title(text: &str) -> Result<String> {
+    match text.chars().count() {
+        0..=LONGEST_TITLE => Ok(text.to_owned()),
+        count => Err(Error::input(format!("a title of {count} letters; give at most {LONGEST_TITLE}"))),
+    }
+}
 
 /// px in an inch, a point and a millimetre.
 const INCH: f64 = 96.0;
@@ -166,6 +176,13 @@ mod tests {
         FigureArgs { output: Some(output.into()), figure_size, figure_dpi: dpi, ..FigureArgs::default() }
             .page()
             .unwrap()
+    }
+
+    #[test]
+    fn titles_have_room() {
+        assert_eq!(title("θ_i").unwrap(), "θ_i");
+        let said = title(&"θ".repeat(501)).unwrap_err().to_string();
+        assert_eq!(said, "a title of 501 letters; give at most 500");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use barbule::characterize::outside_wavelengths;
 use barbule::error::shortened;
+use barbule::math::steps::{stepped, steps_between};
 use barbule::spectrum::Wavelengths;
 use barbule::{Error, Result};
 
@@ -29,21 +30,19 @@ pub fn parse(flag: &str, text: &str) -> Result<Vec<f64>> {
         match numbers[..] {
             [value] => values.push(value),
             [start, stop, step] => {
-                let count = (stop - start) / step;
-                if !(count >= 0.0 && step != 0.0) {
+                let Some(count) = steps_between(start, stop, step) else {
                     return Err(Error::input(format!(
                         "{flag} {}: the step {step} does not lead from {start} to {stop}",
                         shortened(text)
                     )));
-                }
+                };
                 if count > MOST_VALUES as f64 {
                     return Err(Error::input(format!(
                         "{flag} {}: over {MOST_VALUES} values",
                         shortened(text)
                     )));
                 }
-                // Half a millionth of a step forgives decimal steps such as 0.1.
-                values.extend((0..=(count + 1e-6).floor() as usize).map(|i| start + i as f64 * step));
+                values.extend(stepped(start, step, count));
             }
             _ => {
                 return Err(Error::input(format!(
@@ -160,7 +159,7 @@ mod tests {
         assert_eq!(parse("-x", "400,442,484").unwrap(), [400.0, 442.0, 484.0]);
         let range = parse("-x", "400:694:6").unwrap();
         assert_eq!((range.len(), range[49]), (50, 694.0));
-        assert_eq!(parse("-x", "0:0.3:0.1").unwrap().len(), 4);
+        assert_eq!(parse("-x", "0:0.3:0.1").unwrap(), [0.0, 0.1, 0.2, 0.3]);
     }
 
     #[test]

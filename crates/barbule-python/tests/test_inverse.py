@@ -61,8 +61,8 @@ def test_misspelt_words_and_objects_are_refused():
         barbule.fit_structure(given, level="fxed", progress=False)
     with pytest.raises(barbule.InputError, match="'plane' is 'x'"):
         barbule.fit_structure(given, plane="x", progress=False)
-    with pytest.raises(barbule.InputError, match="4"):
-        barbule.fit_structure(STARLING, column=4, progress=False)
+    with pytest.raises(barbule.InputError, match="9"):
+        barbule.fit_structure(STARLING, column=9, progress=False)
     with pytest.raises(TypeError, match="'measured' is a Measured; give its name or a file"):
         barbule.fit_structure(barbule.measured(STARLING), progress=False)
 

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::evaluate::FeatherBrdf;
+use super::evaluate::{FeatherBrdf, is_above};
 use super::material::part_of_first;
 use super::noise::{At, Draw};
 use super::slope::Slope;
@@ -51,7 +51,7 @@ impl FeatherBrdf {
     /// than [`prepare`](Self::prepare), which rounds to single precision.
     #[must_use]
     pub fn exact(&self, wavelength_nm: f64, wi: DVec3) -> ExactBrdf<'_> {
-        let place = (wi.z > 0.0).then(|| {
+        let place = is_above(wi).then(|| {
             let incident = self.incident(wi);
             (incident, self.tables.grid.simplex(&incident, wavelength_nm))
         });
@@ -60,10 +60,10 @@ impl FeatherBrdf {
 }
 
 impl ExactBrdf<'_> {
-    /// Values towards ω_o: all zero unless both directions have z > 0.
+    /// Values towards ω_o: all zero unless both directions leave the surface.
     #[must_use]
     pub fn values(&self, wo: DVec3, instance: Option<u64>) -> Values {
-        if self.place.is_none() || wo.z.is_nan() || wo.z <= 0.0 {
+        if self.place.is_none() || !is_above(wo) {
             return Values::default();
         }
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));

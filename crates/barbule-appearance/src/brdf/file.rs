@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, HashMap};
 use safetensors::{Dtype, SafeTensors, tensor::TensorView};
 use serde::{Deserialize, Serialize};
 
-use super::container::container_checksum;
+use super::container::checksum_of;
 use super::halo::Halo;
 use super::material::{
     FeatherMaterial, LobeSet, ParameterSet, STEEPEST_FRACTION, SteadySet, achromatic_lengths, table_axes,
@@ -232,7 +232,7 @@ pub fn encode_material(material: &FeatherMaterial) -> Result<Vec<u8>> {
         checksum: String::new(),
     };
     let bytes = tensors.iter().map(|(name, (_, _, bytes))| (name.as_str(), bytes.as_slice()));
-    description.checksum = checksum(&description, bytes)?;
+    description.checksum = checksum_of(&description, bytes)?;
     let json =
         serde_json::to_string(&description).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
     let views = tensors
@@ -266,7 +266,8 @@ pub fn decode_material(bytes: &[u8]) -> Result<FeatherMaterial> {
         .map(|name| container.tensor(name).map(|view| (*name, view)))
         .collect::<Result<BTreeMap<_, _>, _>>()
         .map_err(|e| damaged(short(&e.to_string())))?;
-    let found = checksum(&description, views.iter().map(|(name, view)| (*name, view.data())))?;
+    let bare = Description { checksum: String::new(), ..description.clone() };
+    let found = checksum_of(&bare, views.iter().map(|(name, view)| (*name, view.data())))?;
     if found != description.checksum {
         return Err(Error::input(
             "the checksum does not match the contents: the file was damaged or edited; fetch or fit it again",
@@ -437,15 +438,6 @@ fn doubles(views: &BTreeMap<&str, TensorView<'_>>, name: &str) -> Result<Vec<f64
         return Err(error.about(name));
     }
     Ok(view.data().as_chunks::<8>().0.iter().map(|b| f64::from_le_bytes(*b)).collect())
-}
-
-fn checksum<'a>(
-    description: &Description,
-    tensors: impl Iterator<Item = (&'a str, &'a [u8])>,
-) -> Result<String> {
-    let bare = Description { checksum: String::new(), ..description.clone() };
-    let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
-    Ok(container_checksum(&json, tensors))
 }
 
 fn kind_name(kind: FitKind) -> &'static str {

@@ -38,7 +38,7 @@ mod table;
 mod tables;
 
 pub use arrays::{Numbers, TableArray};
-pub use container::container_checksum;
+pub use container::{checksum_of, container_checksum};
 pub use evaluate::{FeatherBrdf, PreparedBrdf};
 pub use exact::{ExactBrdf, Values, values};
 pub use file::{decode_material, encode_material};
@@ -48,7 +48,7 @@ pub use material::{
     FeatherMaterial, LobeSet, NOISE_TERMS, ParameterSet, STEEPEST_FRACTION, SteadySet, achromatic_lengths,
     check_axes, check_sigma, table_axes,
 };
-pub use noise::{At, Draw, Noise, Spectral, spectrum as noise_spectrum};
+pub use noise::{At, Draw, NOISE_SLICE, Noise, Spectral, spectrum as noise_spectrum};
 pub use patterns::Synthesis;
 pub use plain::PlainBrdf;
 pub use profile::lobe_integral;

@@ -17,6 +17,9 @@ use crate::scattering::statistics::Sides;
 /// Points in half a period of the noise.
 const HALF: usize = 512;
 
+/// z of directions that leave the surface is above this.
+const LEAST_COSINE: f64 = 1e-10;
+
 /// A feather's BRDF, evaluated in the obvious way.
 #[derive(Debug, Clone)]
 pub struct PlainBrdf {
@@ -77,7 +80,7 @@ impl PlainBrdf {
     /// f, s and the density at a wavelength (nm); f is that of an instance, or the smooth mean.
     #[must_use]
     pub fn values(&self, wavelength_nm: f64, wi: DVec3, wo: DVec3, instance: Option<u64>) -> Values {
-        if !(wi.z > 0.0 && wo.z > 0.0) {
+        if !(wi.z > LEAST_COSINE && wo.z > LEAST_COSINE) {
             return Values::default();
         }
         let there = self.one_way(wavelength_nm, wi, wo, instance);
@@ -99,7 +102,7 @@ impl PlainBrdf {
     /// ω_o drawn from the mean lobes at a wavelength (nm), steps 11 to 14.
     #[must_use]
     pub fn sample(&self, wavelength_nm: f64, wi: DVec3, [u0, u1]: [f64; 2]) -> Option<DVec3> {
-        if wi.z.is_nan() || wi.z <= 0.0 {
+        if wi.z.is_nan() || wi.z <= LEAST_COSINE {
             return None;
         }
         let light = self.light(wi);
@@ -127,7 +130,7 @@ impl PlainBrdf {
         let [sin_phi, cos_phi] = azimuth(numbers[lobe], numbers[6 + lobe] / node.t, node.t / light.tau, u1);
         let [y, cos_theta] = self.inclination(&light, &nodes, u);
         let wo = DVec3::new(cos_theta * light.sign * sin_phi, y, cos_theta * cos_phi);
-        (wo.z > 0.0).then_some(wo)
+        (wo.z > LEAST_COSINE).then_some(wo)
     }
 
     fn of(&self, name: &str) -> &[f64] {
@@ -328,7 +331,8 @@ impl PlainBrdf {
         let (k, t) = (place.floor() as i64, place - place.floor());
         let (shift, direction) = ((h >> 16) as i64 % 1024, if h >> 63 == 1 { -1 } else { 1 });
         let first = (h % 128) as f64 + (more >> 40 & 255) as f64 / 256.0;
-        // Single precision, as of the program's own.
+        // Single precision, as of the program's own. The number is written out, and not `NOISE_SLICE`: this is the reference,
+        // by the documentation alone, that would catch another one there.
         let height = if is_achromatic { 0.0 } else { (self.header.spectral.height_um / 1.5175) as f32 };
         let base = (first + f64::from(height) * sum.z * 2000.0 * PI / wavelength_nm).min(32_768.0);
         let s = base - base.floor();

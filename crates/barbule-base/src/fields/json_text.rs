@@ -1,6 +1,9 @@
 //! JSON as values, and the places of its keys.
 
-use serde_json::Value;
+use std::fmt;
+
+use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value};
 
 use super::spot::{Spot, Tree};
 use crate::error::shortened;
@@ -9,12 +12,78 @@ use crate::{Error, Result};
 /// A JSON text as a value.
 ///
 /// # Errors
-/// It is not JSON; the message ends with line and column.
+/// It is not JSON, or a table has a key twice; the message ends with line and column.
 pub fn parse_json(text: &str) -> Result<Value> {
-    serde_json::from_str(text).map_err(|error| {
-        Error::input(format!("is not JSON: {}", shortened(&error.to_string())))
-            .on_line(error.line(), Some(error.column()))
-    })
+    let Unique(value) = serde_json::from_str(text).map_err(|error| {
+        let said = shortened(&error.to_string());
+        // What is not as it should be in JSON that is well formed is a key that stands twice.
+        let message = if error.is_data() { said } else { format!("is not JSON: {said}") };
+        Error::input(message).on_line(error.line(), Some(error.column()))
+    })?;
+    Ok(value)
+}
+
+/// A value whose tables have each key once: of two with one name `Value` silently takes the last.
+struct Unique(Value);
+
+impl<'de> Deserialize<'de> for Unique {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> std::result::Result<Self, D::Error> {
+        from.deserialize_any(AnyValue).map(Self)
+    }
+}
+
+struct AnyValue;
+
+impl<'de> Visitor<'de> for AnyValue {
+    type Value = Value;
+
+    fn expecting(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.write_str("a value")
+    }
+
+    fn visit_unit<E>(self) -> std::result::Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> std::result::Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> std::result::Result<Value, A::Error> {
+        let mut all = Vec::new();
+        while let Some(Unique(item)) = items.next_element()? {
+            all.push(item);
+        }
+        Ok(all.into())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut entries: A) -> std::result::Result<Value, A::Error> {
+        let mut all = Map::new();
+        while let Some(key) = entries.next_key::<String>()? {
+            if all.contains_key(&key) {
+                return Err(A::Error::custom(format!("the key '{key}' stands twice; leave one out")));
+            }
+            let Unique(value) = entries.next_value()?;
+            all.insert(key, value);
+        }
+        Ok(all.into())
+    }
 }
 
 /// The same error, which knows line and column of the key with which its message starts, where the JSON text has that key.
@@ -141,6 +210,14 @@ mod tests {
         assert_eq!((error.line(), error.column()), (Some(2), Some(9)), "{error}");
         for end in 0..TEXT.len() {
             let _ = in_json(Error::input("b.c[1].d is null"), &TEXT[..TEXT.floor_char_boundary(end)]);
+        }
+        let error = parse_json("{\"a\": {\n\"b\": 1, \"b\": 2}}").unwrap_err();
+        assert!(error.to_string().starts_with("the key 'b' stands twice; leave one out"), "{error}");
+        assert_eq!(error.line(), Some(2));
+        for text in
+            ["[1, -2, 0.5, \"x\", null, true]", "{\"a\": [{}, {\"b\": 1e300}]}", "18446744073709551615"]
+        {
+            assert_eq!(parse_json(text).unwrap(), serde_json::from_str::<Value>(text).unwrap());
         }
         assert_eq!(parse_json(TEXT).unwrap()["b"]["c"][1]["d"], Value::Null);
     }

@@ -1,10 +1,12 @@
 //! Values that keys of records may have: numbers within ranges, lists, texts, tables.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Map, Value};
 
 use super::key::Kind;
 use super::record::{Fed, Record};
-use super::{list, number_in, refused, shown, wrong_kind};
+use super::{list, number, number_in, path_of, refused, shown, wrong_kind};
 use crate::error::counted;
 use crate::identity::Hasher;
 use crate::{Error, Result};
@@ -284,6 +286,41 @@ impl<T: FieldValue> FieldValue for Option<T> {
 
     fn kind(limits: &T::Limits) -> Kind {
         T::kind(limits)
+    }
+}
+
+/// A table of numbers, by keys that are nowhere listed; an empty one is left out where it is written.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct NumbersByName(pub BTreeMap<String, f64>);
+
+impl FieldValue for NumbersByName {
+    type Limits = ();
+
+    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
+        let Value::Object(table) = value else { return Err(wrong_kind(value, path, "a table of numbers")) };
+        let one = |(key, value): (&String, &Value)| Ok((key.clone(), number(value, &path_of(path, key))?));
+        table.iter().map(one).collect::<Result<_>>().map(Self)
+    }
+
+    fn to_value(&self, (): &()) -> Option<Value> {
+        let table: Map<String, Value> =
+            self.0.iter().map(|(key, value)| (key.clone(), (*value).into())).collect();
+        (!table.is_empty()).then_some(Value::Object(table))
+    }
+
+    fn check_value(&self, _: &str, (): &()) -> Result<()> {
+        Ok(())
+    }
+
+    fn feed_value(&self, key: &str, to: &mut Hasher) {
+        to.count(key, self.0.len() as u64);
+        for (name, value) in &self.0 {
+            to.text("key", name).number("value", *value);
+        }
+    }
+
+    fn kind((): &()) -> Kind {
+        Kind::Named(Box::new(Kind::Number { low: -1e9, high: 1e9, whole: false }))
     }
 }
 

@@ -8,6 +8,7 @@ pub mod chebyshev;
 pub mod dense;
 pub mod elementary;
 pub mod fft;
+pub mod golden;
 #[cfg(feature = "full-waves")]
 pub mod hierarchical;
 #[cfg(feature = "full-waves")]
@@ -20,4 +21,5 @@ pub mod simd;
 #[cfg(feature = "full-waves")]
 mod single;
 pub mod spline;
+pub mod steps;
 pub mod student;

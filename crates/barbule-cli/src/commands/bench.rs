@@ -6,20 +6,21 @@ use std::fmt::Write as _;
 use std::io::Write;
 
 use barbule::Result;
+use barbule::brdf::{FeatherBrdf, Options};
 use barbule::math::simd::Width;
 use barbule::structure::crystal_species;
 use barbule_bench::campaign::{CampaignFigures, measure};
-use barbule_bench::crystal;
+use barbule_bench::{brdf, crystal};
 use serde_json::json;
 
 use crate::common::{Common, print, print_json};
 use crate::progress::Terminal;
-use crate::structure_arg;
+use crate::{materials, structure_arg};
 
 /// Arguments of `barbule bench`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard\n  barbule bench render close"
+    after_help = "Examples:\n  barbule bench campaign starling\n  barbule bench crystal mallard\n  barbule bench render close\n  barbule bench brdf mallard"
 )]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -34,6 +35,17 @@ enum What {
     Crystal(CrystalArgs),
     /// Renderer: paths per CPU second, rays, memory, on the scenes that other renderers are measured on
     Render(render::RenderArgs),
+    /// Values of a material: ns of an instance, of the mean, of many together and of a drawn direction, and the plain evaluation
+    Brdf(BrdfArgs),
+}
+
+#[derive(Debug, clap::Args)]
+struct BrdfArgs {
+    /// A material, or a structure whose material is at hand or is made
+    #[arg(value_name = "MATERIAL", default_value = "starling")]
+    material: String,
+    #[command(flatten)]
+    common: Common,
 }
 
 #[derive(Debug, clap::Args)]
@@ -64,6 +76,7 @@ impl Args {
             What::Campaign(args) => args.run(out),
             What::Crystal(args) => args.run(out),
             What::Render(args) => args.run(out),
+            What::Brdf(args) => args.run(out),
         }
     }
 }
@@ -104,6 +117,41 @@ impl CampaignArgs {
             print(out, &format!("  {stage:<34} {:5.1} %", 100.0 * share(*seconds)))?;
         }
         print(out, &format!("plain evaluation: {:.0} times slower per illumination", figures.plain_ratio))
+    }
+}
+
+impl BrdfArgs {
+    fn run(&self, out: &mut dyn Write) -> Result<()> {
+        self.common.start_threads()?;
+        let (material, _) = materials::find(&self.material, &self.common)?;
+        let progress = Terminal::new(&self.common);
+        let figures = brdf::measure(&FeatherBrdf::new(&material, Options::default())?, &progress)?;
+        drop(progress);
+        let rows = [
+            ("instance_ns", "four wavelengths of an instance", figures.instance_ns),
+            ("smooth_ns", "four wavelengths of the mean", figures.smooth_ns),
+            ("together_ns", "an instance's among 256 pairs together", figures.together_ns),
+            ("sample_ns", "a direction drawn with its density", figures.sample_ns),
+        ];
+        if self.common.json {
+            let mut document = json!({
+                "material": self.material,
+                "plain_ratio": figures.plain_ratio,
+                "largest_difference": figures.difference,
+            });
+            rows.iter().for_each(|(key, _, ns)| document[*key] = json!(ns));
+            return print_json(out, &document);
+        }
+        for (_, what, ns) in rows {
+            print(out, &format!("{what:<40} {ns:7.1} ns"))?;
+        }
+        print(
+            out,
+            &format!(
+                "plain evaluation: {:.0} times slower, the same within {:.0e} of the largest value",
+                figures.plain_ratio, figures.difference
+            ),
+        )
     }
 }
 

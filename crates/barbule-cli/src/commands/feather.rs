@@ -4,7 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use barbule::error::shortened;
-use barbule::io::{FeatherFormat, MOST_WRITTEN_BARBULES, check_writable, foretell_written, write_feather};
+use barbule::io::{
+    FEW_BARBULES, FeatherFormat, MOST_WRITTEN_BARBULES, WRITTEN_IDENTITY, check_writable, foretell_written,
+    write_feather,
+};
 use barbule::progress::Progress as _;
 use barbule::scene::feather::{self, Feather, Measures, VaneDisc, VaneMeasures};
 use barbule::{Error, Result};
@@ -15,12 +18,6 @@ use crate::common::{Common, LEAST_MEMORY, path_json, print, print_json};
 use crate::progress::Terminal;
 use crate::provenance::Provenance;
 use crate::scene_arg;
-
-/// Feathers with fewer barbules than this are written with them unless asked otherwise.
-const FEW_BARBULES: usize = 200_000;
-
-/// All draws of a feather are of one individual; `--seed` gives another.
-const IDENTITY: u64 = 1;
 
 /// Arguments of `barbule feather`.
 #[derive(Debug, clap::Args)]
@@ -73,7 +70,7 @@ impl Args {
             self.check_memory("measuring the feather", &feather, 0)?;
             let measures = feather.measures(
                 self.common.seed,
-                IDENTITY,
+                WRITTEN_IDENTITY,
                 &Terminal::new(&self.common).writing_nothing(),
             )?;
             let rows = self.rows(&feather, &measures);
@@ -101,11 +98,11 @@ impl Args {
         self.check_memory("laying out the feather", feather, 0)?;
         let terminal = Terminal::new(&self.common).writing_nothing();
         let barbules: usize = {
-            let (_, barbs) = feather.barbs_within(whole, (seed, IDENTITY), &terminal)?;
+            let (_, barbs) = feather.barbs_within(whole, (seed, WRITTEN_IDENTITY), &terminal)?;
             barbs.iter().map(|barb| feather.barbule_count(barb)).sum()
         };
         let level =
-            self.level.unwrap_or(if barbules < FEW_BARBULES { Level::Barbules } else { Level::Barbs });
+            self.level.unwrap_or(if barbules <= FEW_BARBULES { Level::Barbules } else { Level::Barbs });
         if level == Level::Barbules && barbules > MOST_WRITTEN_BARBULES {
             return Err(Error::input(format!(
                 "--level barbules: the feather has {barbules}, over the limit of {MOST_WRITTEN_BARBULES}; give --level barbs"
@@ -120,10 +117,10 @@ impl Args {
         let barbs = feather.census(whole).raised;
         self.check_memory("writing the feather", feather, foretell_written(path, barbs, written)?)?;
         let grown = match level {
-            Level::Barbs => feather.grow_barbs(whole, seed, IDENTITY, &terminal)?,
+            Level::Barbs => feather.grow_barbs(whole, seed, WRITTEN_IDENTITY, &terminal)?,
             Level::Barbules => {
                 let every = barbule::scene::feather::Level::Barbules;
-                feather.grow_watched(whole, every, None, (seed, IDENTITY), &terminal)?
+                feather.grow_watched(whole, every, None, (seed, WRITTEN_IDENTITY), &terminal)?
             }
         };
         if terminal.is_cancelled() {

@@ -1,10 +1,10 @@
 //! Atlases as people and scripts make them.
 
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use crate::common::{bytes_of, program};
+use crate::common::{Ends as _, bytes_of, program, succeed_in};
 use serde_json::Value;
 
 /// Two layers over each other, 12 structures in 8 units.
@@ -30,16 +30,8 @@ fn command(folder: &Path, words: &[&str]) -> Command {
     command
 }
 
-fn run(folder: &Path, words: &[&str]) -> Output {
-    command(folder, words).output().unwrap()
-}
-
 fn succeed(folder: &Path, words: &[&str]) -> (String, String) {
-    let output = run(folder, words);
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    let (out, message) = (text(output.stdout), text(output.stderr));
-    assert!(output.status.success(), "{words:?}: {message}");
-    (out, message)
+    command(folder, words).succeeds()
 }
 
 fn with_plan() -> tempfile::TempDir {
@@ -152,12 +144,7 @@ fn a_page_and_a_picture_stand_where_they_were_asked_for() {
     assert!(text.contains("12 of 12 structures") && text.contains("cortex (µm)"), "{text}");
     assert!(at.join("map.png").is_file());
     // What a page links to simulates.
-    let output = program()
-        .args(["spectrum", "page/structures/000011.toml", "--instances", "1", "--json"])
-        .current_dir(at)
-        .output()
-        .unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    succeed_in(at, &["spectrum", "page/structures/000011.toml", "--instances", "1", "--json"]);
 }
 
 #[test]
@@ -179,9 +166,8 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         ("unit_cells = 2", "unit_cels = 2", "did you mean 'unit_cells'?"),
     ] {
         std::fs::write(at.join("bad.toml"), PLAN.replace(from, to)).unwrap();
-        let output = run(at, &["bad.toml", "-o", "s.zarr"]);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{message}");
+        let (code, _, message) = command(at, &["bad.toml", "-o", "s.zarr"]).ran();
+        assert_eq!(code, 2, "{message}");
         assert!(
             message.contains(part) && message.lines().count() == 1 && message.contains("bad.toml"),
             "{message}"
@@ -192,7 +178,7 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
     std::fs::create_dir(at.join("taken")).unwrap();
     std::fs::write(at.join("taken/index.html"), "<!doctype html>mine").unwrap();
     std::fs::write(at.join("other.toml"), PLAN.replace("individuals = 3", "individuals = 4")).unwrap();
-    let message = String::from_utf8_lossy(&run(at, &["other.toml", "-o", "s.zarr"]).stderr).into_owned();
+    let (_, _, message) = command(at, &["other.toml", "-o", "s.zarr"]).ran();
     assert!(message.contains("made by another plan (sweep.plan.individuals: 3 there, 4 here)"), "{message}");
     std::fs::write(at.join("uv.toml"), PLAN.replace("'400:700:20'", "'300:380:20'")).unwrap();
     for (words, part) in [
@@ -209,8 +195,7 @@ fn plans_that_cannot_be_are_refused_and_leave_nothing() {
         (&["plan.toml"], "--output"),
         (&["plan.toml", "-o", "t.zarr", "--shard", "4/4"], "write i/n with 0 <= i < n"),
     ] {
-        let output = run(at, words);
-        let message = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && message.contains(part), "{words:?}: {message}");
+        let (code, _, message) = command(at, words).ran();
+        assert!(code == 2 && message.contains(part), "{words:?}: {message}");
     }
 }

@@ -2,18 +2,11 @@
 
 use serde_json::Value;
 
-use crate::common::program;
-
-fn run(arguments: &[&str]) -> String {
-    let output = program().args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::common::{json, printed, run, succeed};
 
 fn refused(arguments: &[&str]) -> String {
-    let output = program().args(arguments).output().unwrap();
-    let message = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{message}");
+    let (code, _, message) = run(arguments);
+    assert_eq!(code, 2, "{message}");
     assert_eq!(message.trim().lines().count(), 1, "{message}");
     message
 }
@@ -23,7 +16,7 @@ const SMALL: [&str; 8] = ["bench", "render", "--side", "24", "--samples", "4", "
 #[test]
 fn every_scene_has_its_figures() {
     let arguments = [&SMALL[..], &["--json", "conductor", "hair"]].concat();
-    let found: Value = serde_json::from_str(&run(&arguments)).unwrap();
+    let found: Value = json(&arguments);
     let scenes = found["scenes"].as_array().unwrap();
     assert_eq!(scenes.len(), 2);
     for scene in scenes {
@@ -32,7 +25,7 @@ fn every_scene_has_its_figures() {
         assert!(figure("shadow_rays_per_path") > 0.0 && figure("hierarchy_bytes") > 0.0, "{scene}");
         assert!(scene["mean_rgb"].as_array().unwrap().iter().all(|v| v.as_f64().unwrap() > 0.05), "{scene}");
     }
-    let table = run(&[&SMALL[..], &["conductor"]].concat());
+    let table = printed(&[&SMALL[..], &["conductor"]].concat());
     assert!(table.lines().last().unwrap().starts_with("quad, conductor"), "{table}");
 }
 
@@ -41,9 +34,9 @@ fn curve_files_are_written_and_read_and_broken_ones_refused() {
     let folder = tempfile::tempdir().unwrap();
     let curves = folder.path().join("curves");
     let path = curves.to_str().unwrap();
-    run(&["bench", "render", "--write-curves", path, "--quiet"]);
-    let own = run(&[&SMALL[..], &["full", "--json"]].concat());
-    let read = run(&[&SMALL[..], &["full", "--json", "--curves", path]].concat());
+    succeed(&["bench", "render", "--write-curves", path, "--quiet"]);
+    let own = printed(&[&SMALL[..], &["full", "--json"]].concat());
+    let read = printed(&[&SMALL[..], &["full", "--json", "--curves", path]].concat());
     let mean = |text: &str| serde_json::from_str::<Value>(text).unwrap()["scenes"][0]["mean_rgb"][1].as_f64();
     // Six digits of the coordinates are kept: some rays at edges pass on the other side.
     assert!((mean(&own).unwrap() / mean(&read).unwrap() - 1.0).abs() < 0.02);

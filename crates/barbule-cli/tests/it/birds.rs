@@ -4,24 +4,15 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, program, write_made_up};
-
-fn run(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = program();
-    let output = command.args(words).current_dir(folder).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
+use crate::common::{Ends as _, MADE_UP, program, run_in, write_made_up};
 
 fn document(folder: &Path, words: &[&str]) -> Value {
-    let (code, out, message) = run(folder, &[words, &["--json"]].concat());
-    assert_eq!(code, 0, "{words:?}: {message}");
-    serde_json::from_str(&out).unwrap()
+    program().args(words).arg("--json").current_dir(folder).prints_json()
 }
 
 /// A sentence that refuses.
 fn refused(folder: &Path, words: &[&str]) -> String {
-    let (code, out, message) = run(folder, &[words, &["--quiet"]].concat());
+    let (code, out, message) = run_in(folder, &[words, &["--quiet"]].concat());
     assert!(code == 2 && out.is_empty() && message.lines().count() == 1, "{words:?}: {code} {message}");
     assert!(message.len() < 600, "{message}");
     message
@@ -90,7 +81,7 @@ fn things_are_compared_by_noise_in_two_references_and_by_brightness() {
     let figure = std::fs::read_to_string(folder.path().join("both.svg")).unwrap();
     assert!(figure.contains(">UV<") && figure.contains(">grey<") && figure.contains("reflectance"));
     let idle = ["--angle", "30", "--instances", "5", "--wavelengths", "400:700:10"];
-    let (_, out, said) = run(folder.path(), &[&words[..], &idle].concat());
+    let (_, out, said) = run_in(folder.path(), &[&words[..], &idle].concat());
     for flag in ["--angle", "--instances", "--wavelengths"] {
         assert!(said.contains(&format!("{flag} has no effect here: all that is seen is measured")), "{said}");
     }
@@ -223,7 +214,7 @@ fn simulations_are_as_far_from_measurements_as_birds_see() {
     };
     let (same, red) = (far("same.csv"), far("red.csv"));
     assert!(same.0 < 1e-9 && same.1 < 1e-9 && red.0 > 1.0 && red.1 > 1.0, "{same:?} {red:?}");
-    let (_, out, _) = run(folder.path(), &[&film[..], &["--measured", "red.csv"]].concat());
+    let (_, out, _) = run_in(folder.path(), &[&film[..], &["--measured", "red.csv"]].concat());
     assert!(out.contains("; measured is ΔS ") && out.contains("by the rarest cones"), "{out}");
     let message = refused(folder.path(), &[&film[..], &["--measured", "visible.csv"]].concat());
     assert!(message.contains("--measured: the measured reflectance is known from 400"), "{message}");

@@ -2,26 +2,16 @@
 
 use std::io::Write as _;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Stdio};
 
 use barbule::brdf::FeatherMaterial;
 use barbule::brdf::fixtures::halo;
 use serde_json::Value;
 
-use crate::common::{MADE_UP, program, write_made_up};
-
-fn run(words: &[&str]) -> Output {
-    program().args(words).output().unwrap()
-}
-
-fn text(words: &[&str]) -> String {
-    let output = run(words);
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::common::{MADE_UP, json, printed, run, succeed, write_made_up};
 
 fn document(words: &[&str]) -> Value {
-    serde_json::from_str(&text(&[&["brdf"], words, &["--json"]].concat())).unwrap()
+    json(&[&["brdf"], words, &["--json"]].concat())
 }
 
 /// `[row][column]`.
@@ -78,10 +68,10 @@ fn values_are_reciprocal_where_that_is_asked_for() {
     assert_eq!((there, back, pdf), (steep, steep, flat_pdf));
     let [[there, _], [back, _]] = orders("mean");
     assert!((there - 0.5 * (flat + steep)).abs() < 1e-12 && (there - back).abs() < 1e-12);
-    let refused =
+    let (code, _, message) =
         run(&["brdf", MADE_UP, "--wavelength", "500", "--wi", "0,0", "--marginal", "--reciprocity", "mean"]);
-    assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("leave --reciprocity out"));
+    assert_eq!(code, 2);
+    assert!(message.contains("leave --reciprocity out"));
 }
 
 /// The lower side of a species that ships with both: a material of its own.
@@ -97,8 +87,8 @@ fn undersides_have_values_of_their_own() {
     let apart: f64 = above.iter().zip(&below).map(|(a, b)| (a - b).abs()).sum();
     // The same rows under a top of another form.
     assert!(apart > 0.02 * above.iter().sum::<f64>(), "{apart}");
-    let refused = run(&["brdf", "mallardo (below)", "--wavelength", "550", "--wi", "0,20", "--wo", "0,0"]);
-    assert_eq!(refused.status.code(), Some(2));
+    let (code, ..) = run(&["brdf", "mallardo (below)", "--wavelength", "550", "--wi", "0,20", "--wo", "0,0"]);
+    assert_eq!(code, 2);
 }
 
 #[test]
@@ -133,7 +123,7 @@ fn a_grid_integrates_to_what_the_marginal_says_is_reflected() {
 #[test]
 fn the_marginal_is_the_mean_far_field() {
     let words = ["brdf", "starling", "--wavelength", "520", "--wi", "0,30", "--marginal", "--json"];
-    let found: Value = serde_json::from_str(&text(&words)).unwrap();
+    let found: Value = json(&words);
     let marginal = table(&found["marginal"]).remove(0);
     let mut mean = vec![0.0; 400];
     let count = 40;
@@ -152,7 +142,7 @@ fn the_marginal_is_the_mean_far_field() {
             &number,
             "--json",
         ];
-        let far: Value = serde_json::from_str(&text(&words)).unwrap();
+        let far: Value = json(&words);
         for key in ["polarization_1", "polarization_2"] {
             for (sum, value) in mean.iter_mut().zip(list(&far[key]["intensity"])) {
                 *sum += 0.5 * value / f64::from(count);
@@ -176,7 +166,7 @@ fn tables_and_figures_are_written_and_said() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (csv, svg, png) = (path("a.csv"), path("a.svg"), path("b.png"));
-    let output = run(&[
+    let (out, said) = succeed(&[
         "brdf",
         MADE_UP,
         "--wavelength",
@@ -190,8 +180,7 @@ fn tables_and_figures_are_written_and_said() {
         "-o",
         &svg,
     ]);
-    assert!(output.status.success() && output.stdout.is_empty());
-    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(out.is_empty());
     assert!(
         said.contains("wrote") && said.contains("a.svg: f of example green, mean, unpolarized"),
         "{said}"
@@ -203,9 +192,9 @@ fn tables_and_figures_are_written_and_said() {
     assert!(std::fs::read_to_string(&svg).unwrap().contains("f (1/sr)"));
     let marginal =
         ["brdf", MADE_UP, "--wavelength", "450,500", "--wi", "0,0", "--marginal", "--azimuths", "20"];
-    text(&[&marginal[..], &["-o", &png]].concat());
+    succeed(&[&marginal[..], &["-o", &png]].concat());
     assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
-    let printed = text(&marginal);
+    let printed = printed(&marginal);
     assert!(printed.starts_with("example green, mean, unpolarized, θ_i 0°, φ_i 0°\n"), "{printed}");
     assert_eq!(printed.lines().count(), 2 + 40);
 }
@@ -234,9 +223,8 @@ fn sets_are_the_single_values_with_their_axes() {
     }
     let bytes: Vec<u8> = flat.iter().flat_map(|value| value.to_le_bytes()).collect();
     let write = |name: &str| {
-        let output = run(&[&["brdf"], &common[..], &sets, &["-o", &path(name)]].concat());
-        let said = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.success() && output.stdout.is_empty() && said.contains("wrote"), "{said}");
+        let (out, said) = succeed(&[&["brdf"], &common[..], &sets, &["-o", &path(name)]].concat());
+        assert!(out.is_empty() && said.contains("wrote"), "{said}");
     };
     write("t.npy");
     let npy = std::fs::read(path("t.npy")).unwrap();
@@ -252,9 +240,9 @@ fn sets_are_the_single_values_with_their_axes() {
     assert_eq!(chunk[..chunk.len() - 4], bytes);
     let group: Value = serde_json::from_slice(&std::fs::read(path("t.zarr/zarr.json")).unwrap()).unwrap();
     assert!(group["attributes"]["material_hash"].is_string(), "{group}");
-    let again = run(&[&["brdf"], &common[..], &sets, &["-o", &path("t.zarr")]].concat());
-    assert_eq!(again.status.code(), Some(2));
-    assert!(String::from_utf8(again.stderr).unwrap().contains("is there already; give another name"));
+    let (code, _, again) = run(&[&["brdf"], &common[..], &sets, &["-o", &path("t.zarr")]].concat());
+    assert_eq!(code, 2);
+    assert!(again.contains("is there already; give another name"));
     write("t.csv");
     let rows = std::fs::read_to_string(path("t.csv")).unwrap();
     let head =
@@ -267,14 +255,14 @@ fn sets_are_the_single_values_with_their_axes() {
 fn long_tables_are_printed_short_and_grids_of_light_are_directions() {
     write_made_up();
     let words = ["brdf", MADE_UP, "--wavelength", "500", "--wi-grid", "8", "--wo-grid", "8"];
-    let printed = text(&words);
+    let printed = printed(&words);
     assert_eq!(printed.lines().count(), 2 + 40 + 1, "{printed}");
     // 52 of the 64 centres lie inside the circle.
     assert!(
         printed.ends_with("… and 2664 rows more: all with -o F.csv, F.npy or F.zarr, or --json\n"),
         "{printed}"
     );
-    let found: Value = serde_json::from_str(&text(&[&words[..], &["--json"]].concat())).unwrap();
+    let found: Value = json(&[&words[..], &["--json"]].concat());
     assert_eq!(found["axes"], serde_json::json!(["wi", "wavelength_nm", "wo"]));
     assert_eq!(found["theta_in_deg"], found["theta_out_deg"]);
 }
@@ -291,15 +279,14 @@ fn reflected_fractions_are_the_materials_own() {
     assert_eq!(few["reflected_fraction"], many["reflected_fraction"]);
     assert_eq!(few["flagged"], serde_json::json!([false]));
     let words = ["brdf", "starling", "--wavelength", "550", "--marginal", "--azimuths", "2", "--json"];
-    let output = run(&[&words[..], &["--wi", "0,87", "--instance", "3:4:1"]].concat());
-    let drawn: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let (out, message) = succeed(&[&words[..], &["--wi", "0,87", "--instance", "3:4:1"]].concat());
+    let drawn: Value = serde_json::from_str(&out).unwrap();
     let fractions = table(&drawn["reflected_fraction"]).concat();
     let flagged: Vec<bool> = fractions.iter().map(|fraction| *fraction > 1.001).collect();
     assert!(flagged.contains(&true) && flagged.contains(&false), "{fractions:?}");
     let said: Vec<bool> =
         drawn["flagged"].as_array().unwrap().iter().map(|row| row[0].as_bool().unwrap()).collect();
     assert_eq!(said, flagged);
-    let message = String::from_utf8(output.stderr).unwrap();
     assert!(message.contains("single instances may where light grazes, their mean does not"), "{message}");
 }
 
@@ -339,9 +326,8 @@ fn what_cannot_be_is_refused_in_one_sentence() {
         (&[&usual[..], &["--instance", "-1"]].concat(), "--instance -1: write whole numbers"),
         (&[&usual[..], &["--polarization", "3"]].concat(), "--polarization"),
     ] {
-        let output = run(&[&["brdf", MADE_UP], words].concat());
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+        let (code, _, message) = run(&[&["brdf", MADE_UP], words].concat());
+        assert_eq!(code, 2, "{words:?}: {message}");
         assert!(message.contains(part) && message.len() < 600, "{words:?}: {message}");
         assert_eq!(message.trim_end().lines().count(), 1, "{message}");
     }
@@ -372,7 +358,7 @@ fn python_agrees(material: &FeatherMaterial) {
         &["--wavelength", "455", "--wi", "40,50", "--wo=-40,-50", "--wo=-41,-45", "--instance", "7"],
         &["--wavelength", "610", "--wi=-35,25", "--wo", "35,-25", "--instance", "12345678901234567890"],
     ]
-    .map(|words| text(&[&["brdf", file], words, &["--json"]].concat()));
+    .map(|words| printed(&[&["brdf", file], words, &["--json"]].concat()));
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/python/brdf.py");
     let source = std::fs::read_to_string(&script).unwrap();
     assert!(source.lines().count() <= 250);
@@ -400,4 +386,14 @@ fn python_agrees(material: &FeatherMaterial) {
     }
     // Some of these have a steady part, or it would not have been compared.
     assert!(documents.iter().any(|d| !d.contains("\"s\":[[0.0,0.0")));
+}
+
+#[test]
+fn the_bench_compares_with_the_plain_evaluation() {
+    let found: Value = json(&["bench", "brdf", "starling", "--json"]);
+    for name in ["instance_ns", "smooth_ns", "together_ns", "sample_ns"] {
+        assert!(found[name].as_f64().unwrap() > 0.0, "{name}: {found}");
+    }
+    assert!(found["plain_ratio"].as_f64().unwrap() > 1.0, "{found}");
+    assert!(found["largest_difference"].as_f64().unwrap() < 1e-4, "{found}");
 }

@@ -14,13 +14,10 @@ use barbule::material::Library;
 use barbule::structure::{Section, Structure, species_toml};
 use serde_json::Value;
 
-use crate::common::program;
+use crate::common::{Ran, program, said_by};
 
 /// A folder to work in, with a cache.
 struct Place(tempfile::TempDir);
-
-/// What a run of the program left: exit code, standard output, standard error.
-type Ran = (i32, String, String);
 
 impl Place {
     fn new() -> Self {
@@ -225,7 +222,7 @@ fn a_cache_must_be_a_place_of_its_own() {
             command.env_remove(variable);
         }
         let output = command.arg("cache").env(name, value).current_dir(place.0.path()).output().unwrap();
-        (output.status.code().unwrap(), String::from_utf8_lossy(&output.stderr).into_owned())
+        (output.status.code().unwrap(), said_by(&output))
     };
     for name in ["HOME", "XDG_CACHE_HOME"] {
         let (code, said) = run(name, "relative");
@@ -253,7 +250,7 @@ fn paths_that_are_no_text_are_no_panic() {
         let mut command = program();
         let output =
             command.args(words).arg("--cache").arg(odd).current_dir(place.0.path()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", said_by(&output));
         assert!(String::from_utf8_lossy(&output.stdout).contains('\u{fffd}'));
     }
     let made = |words: &[&str], file: &[u8]| {
@@ -261,7 +258,7 @@ fn paths_that_are_no_text_are_no_panic() {
         let command = command.args(words).arg("-o").arg(std::ffi::OsStr::from_bytes(file));
         let output =
             command.args(["--json", "--cache", "cache"]).current_dir(place.0.path()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", said_by(&output));
     };
     made(&[&["characterize", "starling"], TINY].concat(), b"m\xff.barbule");
     place.write_small();

@@ -2,21 +2,9 @@
 
 use std::path::Path;
 
-use crate::common::{MADE_UP, bytes_of, program, write_made_up};
+use crate::common::{MADE_UP, bytes_of, json, printed, run, succeed, write_made_up};
 use barbule::brdf::FeatherMaterial;
 use serde_json::Value;
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn succeed(words: &[&str]) -> String {
-    let (code, out, message) = run(words);
-    assert_eq!(code, 0, "{words:?}: {message}");
-    out
-}
 
 /// A campaign of a second.
 const SMALL: &[&str] = &["--wavelengths", "450:650:100", "--directions", "2x2", "--instances", "3"];
@@ -33,8 +21,7 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     assert_eq!(simulate("a.zarr", &["--threads", "2"]).0, 0);
     let whole = bytes_of(&folder.path().join("a.zarr"));
     assert_eq!(simulate("b.zarr", &["--shard", "1/3", "--threads", "1"]).0, 0);
-    let status: Value =
-        serde_json::from_str(&succeed(&["simulate", &path("b.zarr"), "--status", "--json"])).unwrap();
+    let status: Value = json(&["simulate", &path("b.zarr"), "--status", "--json"]);
     assert_eq!((status["units"].as_u64(), status["done"].as_u64()), (Some(6), Some(2)));
     let missing = run(&["fit", &path("b.zarr"), "-o", &path("b.barbule")]);
     assert_eq!(missing.0, 2);
@@ -55,7 +42,7 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     std::fs::write(&damaged, bytes).unwrap();
     std::fs::create_dir(folder.path().join("b.zarr/.aside")).unwrap();
     std::fs::write(folder.path().join("b.zarr/.aside/new-dead"), b"half").unwrap();
-    let status = succeed(&["simulate", &path("b.zarr"), "--status"]);
+    let status = printed(&["simulate", &path("b.zarr"), "--status"]);
     assert!(status.contains("4 of 6 units done, 1 missing, 1 damaged"), "{status}");
     let (code, _, message) = simulate("b.zarr", &[]);
     assert_eq!(code, 0);
@@ -69,10 +56,9 @@ fn stores_are_the_same_bytes_whole_sharded_interrupted_or_repaired() {
     std::fs::remove_file(chunk("wavelength/c.0")).unwrap();
     std::fs::write(chunk("lag/c.0"), b"cut").unwrap();
     let lost = "missing or damaged coordinates: wavelength, lag";
-    let status = succeed(&["simulate", &path("b.zarr"), "--status"]);
+    let status = printed(&["simulate", &path("b.zarr"), "--status"]);
     assert!(status.contains("6 of 6 units done") && status.contains(lost), "{status}");
-    let status: Value =
-        serde_json::from_str(&succeed(&["simulate", &path("b.zarr"), "--status", "--json"])).unwrap();
+    let status: Value = json(&["simulate", &path("b.zarr"), "--status", "--json"]);
     assert_eq!(status["damaged_coordinates"], serde_json::json!(["wavelength", "lag"]));
     let fitted = run(&["fit", &path("b.zarr"), "-o", &path("b.barbule")]);
     assert!(fitted.0 == 0 && fitted.2.contains(lost), "{}", fitted.2);
@@ -115,7 +101,7 @@ fn instances_that_are_asked_for_are_simulated_in_thinned_campaigns_too() {
 fn a_strangers_bird_becomes_a_picture() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
-    let built_in = succeed(&["species", "starling:green", "--toml"]);
+    let built_in = printed(&["species", "starling:green", "--toml"]);
     let mine = built_in.replace("cortex_um = 0.32 ", "cortex_um = 0.36 ");
     assert_ne!(built_in, mine);
     std::fs::write(path("my-bird.toml"), mine).unwrap();
@@ -142,11 +128,11 @@ fn simulate_then_fit_equals_characterize() {
     succeed(&[&["simulate", "rock-dove", "-o", &path("s.zarr")], SMALL].concat());
     succeed(&["fit", &path("s.zarr"), "-o", &path("a.barbule")]);
     let cache = path("cache");
-    let printed = succeed(&[&["characterize", "rock-dove", "--cache", &cache], SMALL].concat());
-    assert_eq!(std::fs::read(printed.trim()).unwrap(), std::fs::read(path("a.barbule")).unwrap());
-    assert!(succeed(&["cache", "--cache", &cache]).contains(": 1 cached"));
+    let file = printed(&[&["characterize", "rock-dove", "--cache", &cache], SMALL].concat());
+    assert_eq!(std::fs::read(file.trim()).unwrap(), std::fs::read(path("a.barbule")).unwrap());
+    assert!(printed(&["cache", "--cache", &cache]).contains(": 1 cached"));
     succeed(&["cache", "--cache", &cache, "--clear"]);
-    assert!(succeed(&["cache", "--cache", &cache]).contains(": 0 cached"));
+    assert!(printed(&["cache", "--cache", &cache]).contains(": 0 cached"));
 }
 
 #[test]
@@ -155,14 +141,14 @@ fn a_strangers_crystal_goes_the_same_way_and_is_solved_once() {
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let lattice = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/lattices/square-holes.toml");
     let far = |structure: &str| {
-        succeed(&["far-field", structure, "--wavelength", "420", "--theta", "10", "--phi=-30", "--json"])
+        printed(&["far-field", structure, "--wavelength", "420", "--theta", "10", "--phi=-30", "--json"])
     };
     // Alone it lies flat; the written section has it under its top.
     succeed(&["geometry", lattice, "-o", &path("flat.json")]);
     assert_eq!(far(lattice), far(&path("flat.json")));
     succeed(&["geometry", "magpie", "--instance", "2", "-o", &path("magpie.json")]);
     let instance = ["far-field", "magpie", "--instance", "2", "--wavelength", "420", "--theta", "10"];
-    let instance = succeed(&[&instance[..], &["--phi=-30", "--json"]].concat());
+    let instance = printed(&[&instance[..], &["--phi=-30", "--json"]].concat());
     assert_eq!(far(&path("magpie.json")), instance);
 
     let cache = path("cache");
@@ -184,7 +170,7 @@ fn a_strangers_crystal_goes_the_same_way_and_is_solved_once() {
     std::fs::write(&table, bytes).unwrap();
     let third = make("c.zarr");
     assert!(!third.0.contains("in the cache") && third.1 == first.1);
-    assert!(succeed(&["cache", "--cache", &cache]).contains(": 1 cached"));
+    assert!(printed(&["cache", "--cache", &cache]).contains(": 1 cached"));
 }
 
 /// A shipped species with layers and one with a crystal, made again at a few of their nodes: what ships is what the program
@@ -225,12 +211,11 @@ fn the_shipped_materials_are_what_the_command_makes() {
 #[test]
 fn far_fields_follow_the_contract() {
     let words = ["far-field", "starling", "--wavelength", "520", "--theta", "20", "--phi=-30", "--json"];
-    let fast: Value = serde_json::from_str(&succeed(&words)).unwrap();
+    let fast: Value = json(&words);
     let azimuths = fast["phi_out_deg"].as_array().unwrap();
     assert_eq!((azimuths.len(), azimuths[0].as_f64()), (400, Some(-89.775)));
     assert!(fast["incident_power"].as_f64().unwrap() > 0.0);
-    let direct: Value =
-        serde_json::from_str(&succeed(&[&words[..], &["--solver", "direct"]].concat())).unwrap();
+    let direct: Value = json(&[&words[..], &["--solver", "direct"]].concat());
     for polarization in ["polarization_1", "polarization_2"] {
         let fraction = |v: &Value| v[polarization]["reflected_fraction"].as_f64().unwrap();
         assert!((fraction(&fast) / fraction(&direct) - 1.0).abs() < 1e-9);
@@ -241,7 +226,7 @@ fn far_fields_follow_the_contract() {
         };
         assert!((intensity - norm("e1") - norm("e2")).abs() < 1e-12 * intensity.max(1.0));
     }
-    let plane: Value = serde_json::from_str(&succeed(&[&words[..], &["--window", "none"]].concat())).unwrap();
+    let plane: Value = json(&[&words[..], &["--window", "none"]].concat());
     assert!(plane["incident_power"].is_null());
 }
 
@@ -258,9 +243,8 @@ fn spectra_are_tables_and_figures() {
     assert!(std::fs::read_to_string(path("s.svg")).unwrap().contains("<svg"));
     assert!(Path::new(&path("s.csv.json")).exists());
     // All that is reflected falls into the cone of 90° about a mirror direction along z.
-    let total: Value = serde_json::from_str(&succeed(&[&words[..], &["--json"]].concat())).unwrap();
-    let cone: Value =
-        serde_json::from_str(&succeed(&[&words[..], &["--collect", "cone:90", "--json"]].concat())).unwrap();
+    let total: Value = json(&[&words[..], &["--json"]].concat());
+    let cone: Value = json(&[&words[..], &["--collect", "cone:90", "--json"]].concat());
     assert_eq!(total["mean"][0], cone["mean"][0]);
 }
 

@@ -4,16 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::program;
-
-fn run(words: &[&str]) -> String {
-    let output = program().args(words).output().unwrap();
-    assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).unwrap()
-}
+use crate::common::{json, printed, run};
 
 fn point(words: &[&str]) -> Value {
-    serde_json::from_str(&run(&[&["crystal"], words, &["--json"]].concat())).unwrap()
+    json(&[&["crystal"], words, &["--json"]].concat())
 }
 
 /// R of both polarizations, all orders.
@@ -71,13 +65,14 @@ fn maps_and_fields_are_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (map, field) = (path("map.svg"), path("field.png"));
-    let text = run(&["crystal", "mallard", "--map", "--wavelengths", "400:700:100", "-o", &map, "--json"]);
+    let text =
+        printed(&["crystal", "mallard", "--map", "--wavelengths", "400:700:100", "-o", &map, "--json"]);
     let document: Value = serde_json::from_str(&text).unwrap();
     assert_eq!(document["R_1"].as_array().unwrap().len(), document["phi_deg"].as_array().unwrap().len());
     assert!(std::fs::read_to_string(&map).unwrap().contains("φ_i (°)"));
     let drawn =
         ["crystal", &file_of("square-holes"), "--field", "--wavelengths", "500", "-o", &field, "--json"];
-    assert_eq!(serde_json::from_str::<Value>(&run(&drawn)).unwrap()["wavelength_nm"], 500.0);
+    assert_eq!(json(&drawn)["wavelength_nm"], 500.0);
     assert!(std::fs::read(&field).unwrap().starts_with(b"\x89PNG"));
 }
 
@@ -102,17 +97,15 @@ fn bad_crystals_are_refused_before_any_work() {
         ("cortex = 0.1", "cortex = 0.1\nincidence = 'melanin'", "does not absorb"),
     ] {
         std::fs::write(&path, good.replace(from, to)).unwrap();
-        let output = program().arg("crystal").arg(&path).output().unwrap();
-        let message = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(2), "{to}: {message}");
+        let (code, _, message) = run(&["crystal", path.to_str().unwrap()]);
+        assert_eq!(code, 2, "{to}: {message}");
         assert!(message.contains(said) && message.trim().lines().count() == 1, "{to}: {message}");
     }
 }
 
 #[test]
 fn the_bench_has_figures_of_every_solver() {
-    let found: Value =
-        serde_json::from_str(&run(&["bench", "crystal", "mallard", "--quick", "--json"])).unwrap();
+    let found: Value = json(&["bench", "crystal", "mallard", "--quick", "--json"]);
     let crystal = &found["crystals"][0];
     let solvers = crystal["solvers"].as_array().unwrap();
     assert_eq!((solvers.len(), &crystal["structure"]), (3, &"mallard".into()));

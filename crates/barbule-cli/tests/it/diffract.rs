@@ -2,32 +2,18 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
-use crate::common::program;
-
-fn command(words: &[&str]) -> (Option<i32>, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code(), text(output.stdout), text(output.stderr))
-}
-
-fn document(words: &[&str]) -> Value {
-    let (code, out, said) = command(words);
-    assert_eq!(code, Some(0), "{said}");
-    serde_json::from_str(&out).unwrap()
-}
+use crate::common::{json, run};
 
 fn refusal(words: &[&str]) -> String {
-    let (code, _, said) = command(words);
-    assert_eq!((code, said.trim().lines().count()), (Some(2), 1), "{said}");
+    let (code, _, said) = run(words);
+    assert_eq!((code, said.trim().lines().count()), (2, 1), "{said}");
     said
 }
 
 /// f of the blazed grating where its first order of 500 nm leaves, by its closed form: sinc² of a ramp of single steps.
 #[test]
 fn a_blazed_grating_sends_500_nm_to_its_first_order() {
-    let found = document(&["diffract", "blazed", "--wi", "0,0", "--wo", "11.536959,0", "--json"]);
+    let found = json(&["diffract", "blazed", "--wi", "0,0", "--wo", "11.536959,0", "--json"]);
     let nm: Vec<f64> = serde_json::from_value(found["wavelength_nm"].clone()).unwrap();
     let f: Vec<f64> = serde_json::from_value(found["spectrum"].clone()).unwrap();
     assert_eq!((nm.len(), nm[0], nm[80]), (81, 380.0, 780.0));
@@ -47,11 +33,11 @@ fn a_blazed_grating_sends_500_nm_to_its_first_order() {
     let [tables, reference] = ["tables", "reference"]
         .map(|of| serde_json::from_value::<[f64; 3]>(found["xyz"][of].clone()).unwrap());
     for (a, b) in tables.iter().zip(reference) {
-        assert!((a / b - 1.0).abs() < 0.01, "{tables:?} {reference:?}");
+        assert!((a / b - 1.0).abs() < 4e-3, "{tables:?} {reference:?}");
     }
-    assert!(found["delta_e"].as_f64().unwrap() < 0.5, "{found}");
+    assert!(found["delta_e"].as_f64().unwrap() < 0.05, "{found}");
     // To the other side goes hardly anything.
-    let other = document(&["diffract", "blazed", "--wi", "0,0", "--wo", "11.536959,180", "--json"]);
+    let other = json(&["diffract", "blazed", "--wi", "0,0", "--wo", "11.536959,180", "--json"]);
     assert!(other["spectrum"][24].as_f64().unwrap() < 1e-3 * f[peak]);
 }
 
@@ -69,14 +55,14 @@ fn heights_from_a_file_are_as_good_as_a_sample() {
     std::fs::write(&path, bytes).unwrap();
     let directions = ["--wi", "20,0", "--wo", "7.5,180", "--json"];
     let file = path.to_str().unwrap();
-    let own = document(&[&["diffract", file, "--pitch", "0.025"], &directions[..]].concat());
-    let sample = document(&[&["diffract", "sinusoid"], &directions[..]].concat());
+    let own = json(&[&["diffract", file, "--pitch", "0.025"], &directions[..]].concat());
+    let sample = json(&[&["diffract", "sinusoid"], &directions[..]].concat());
     // One row stands for a patch 0.025 µm long along y, along which nothing changes.
     for (a, b) in own["spectrum"].as_array().unwrap().iter().zip(sample["spectrum"].as_array().unwrap()) {
         let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
         assert!((a - b).abs() <= 1e-9 * b.abs() + 1e-12, "{a} {b}");
     }
-    let far = command(&[&["diffract", file, "--pitch", "25"], &directions[..]].concat()).2;
+    let far = run(&[&["diffract", file, "--pitch", "25"], &directions[..]].concat()).2;
     assert!(far.contains("--pitch 25: heights 25 µm apart; did you mean 0.025 (25 nm)?"), "{far}");
     let said = refusal(&[&["diffract", file], &directions[..]].concat());
     assert!(said.contains("sine.npy") && said.contains("--pitch"), "{said}");
@@ -113,22 +99,22 @@ fn a_grating_of_ones_own_is_rendered() {
     let ridges: String = (0..40).map(|i| format!("{} ", 0.1 * f64::from(i % 20) / 20.0)).collect();
     std::fs::write(path("ridges.txt"), ridges).unwrap();
     let (heights, grating) = (path("ridges.txt"), path("ridges.grating"));
-    let told = document(&["diffract", &heights, "--pitch", "0.1", "--size", "21", "-o", &grating, "--json"]);
+    let told = json(&["diffract", &heights, "--pitch", "0.1", "--size", "21", "-o", &grating, "--json"]);
     assert_eq!((told["file"].as_str(), &told["heights"]), (Some(&*grating), &"ridges".into()));
     assert!(told["tables"].as_u64() > Some(0) && told["orders"].as_array().unwrap().len() == 2, "{told}");
     let figure = path("blazed.svg");
     let few = ["--wavelengths", "400:700:50", "--size", "21"];
-    let drawn = document(&[&["diffract", "blazed", "-o", &figure, "--json"], &few[..]].concat());
+    let drawn = json(&[&["diffract", "blazed", "-o", &figure, "--json"], &few[..]].concat());
     assert_eq!((drawn["file"].as_str(), &drawn["heights"]), (Some(&*figure), &"blazed".into()));
     assert!(drawn["mean_delta_e"].is_number() && drawn["largest_of_peak"].is_number(), "{drawn}");
     let scene = "preset = 'starling'\nshows_feather = false\n[surfaces.disc]\ntype = 'grating'\nfile = 'ridges.grating'\n\
                  pigment = '#402010'\n[[objects]]\nsphere_mm = 0.5\nsurface = 'disc'\n";
     std::fs::write(path("disc.toml"), scene).unwrap();
     let render = |name: &str| {
-        command(&["render", &path("disc.toml"), "--size", "24x16", "--samples", "2", "-o", &path(name)])
+        run(&["render", &path("disc.toml"), "--size", "24x16", "--samples", "2", "-o", &path(name)])
     };
     let (code, _, said) = render("disc.png");
-    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(code, 0, "{said}");
     let picture = std::fs::read(path("disc.png")).unwrap();
     render("again.png");
     assert!(picture.len() > 300 && std::fs::read(path("again.png")).is_ok());
@@ -137,7 +123,7 @@ fn a_grating_of_ones_own_is_rendered() {
     bytes[last] ^= 1;
     std::fs::write(path("ridges.grating"), bytes).unwrap();
     let (code, _, said) = render("none.png");
-    assert!(code == Some(2) && said.contains("surfaces.disc.file") && said.contains("checksum"), "{said}");
+    assert!(code == 2 && said.contains("surfaces.disc.file") && said.contains("checksum"), "{said}");
 }
 
 #[test]
@@ -146,8 +132,8 @@ fn snakes_and_the_bench_render() {
     for (name, coloured) in [("snake", true), ("diffraction-bench", false)] {
         let path = folder.path().join(name).with_extension("png");
         let words = ["render", name, "--size", "48x30", "--samples", "4", "-o", path.to_str().unwrap()];
-        let (code, _, said) = command(&words);
-        assert_eq!(code, Some(0), "{said}");
+        let (code, _, said) = run(&words);
+        assert_eq!(code, 0, "{said}");
         let decoder = png::Decoder::new(std::io::Cursor::new(std::fs::read(&path).unwrap()));
         let mut reader = decoder.read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -157,7 +143,7 @@ fn snakes_and_the_bench_render() {
         assert!(!coloured || vivid > 30, "{name}: {vivid} pixels of strong colour");
         assert!(pixels.iter().any(|v| *v > 60), "{name} is dark");
     }
-    let (_, out, _) = command(&["render", "snake", "--toml"]);
+    let (_, out, _) = run(&["render", "snake", "--toml"]);
     assert!(out.contains("sample = \"xenopeltis\""));
 }
 
@@ -165,14 +151,14 @@ fn snakes_and_the_bench_render() {
 #[test]
 fn black_beside_black_is_no_difference_and_no_zero_has_a_sign() {
     let folder = tempfile::tempdir().unwrap();
-    let found = document(&["diffract", "blazed", "--wi", "0,0", "--wo", "5,90", "--json"]);
+    let found = json(&["diffract", "blazed", "--wi", "0,0", "--wo", "5,90", "--json"]);
     assert_eq!(found["delta_e"], 0.0, "{found}");
     let path = folder.path().join("flat.txt").to_string_lossy().into_owned();
     std::fs::write(&path, "0 0.1 0 0.1 0 0.1 0 0.1\n".repeat(8)).unwrap();
     // Steps of 1 µm tell nothing of directions so far from the mirror's.
     let words =
         ["diffract", &path, "--pitch", "1", "--wi", "0,0", "--wo", "70,0", "--place", "anywhere", "--json"];
-    let (code, out, said) = command(&words);
-    assert_eq!(code, Some(0), "{said}");
+    let (code, out, said) = run(&words);
+    assert_eq!(code, 0, "{said}");
     assert!(out.contains("0.0") && !out.contains("-0.0"), "{out}");
 }

@@ -2,20 +2,13 @@
 
 use serde_json::Value;
 
-use crate::common::program;
-
-fn run(words: &[&str]) -> (String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    assert!(output.status.success(), "{words:?}: {}", text(output.stderr));
-    (text(output.stdout), text(output.stderr))
-}
+use crate::common::{json, printed, succeed};
 
 const SETS: [&str; 8] =
     ["far-field", "starling", "--wavelengths", "450,600", "--theta", "0", "--phi=-20,0,35", "--azimuths"];
 
 fn document(words: &[&str]) -> Value {
-    serde_json::from_str(&run(words).0).unwrap()
+    json(words)
 }
 
 #[test]
@@ -52,7 +45,7 @@ fn tables_have_one_row_for_each_azimuth_and_the_numbers_of_the_document() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (csv, figure) = (path("f.csv"), path("f.png"));
-    let (out, said) = run(&[&SETS[..], &["40", "--csv", &csv, "-o", &figure]].concat());
+    let (out, said) = succeed(&[&SETS[..], &["40", "--csv", &csv, "-o", &figure]].concat());
     assert_eq!(out, "");
     assert!(
         said.contains("f.csv: 6 far fields of starling:green, instance 0") && said.contains("240 rows"),
@@ -90,13 +83,21 @@ fn tables_have_one_row_for_each_azimuth_and_the_numbers_of_the_document() {
 #[test]
 fn words_show_one_far_field_whole_and_several_in_a_row_each() {
     let one =
-        run(&["far-field", "air/keratin:300/air", "--wavelength", "520", "--theta", "0", "--phi", "30"]).0;
+        printed(&["far-field", "air/keratin:300/air", "--wavelength", "520", "--theta", "0", "--phi", "30"]);
     let lines: Vec<_> = one.lines().collect();
     assert_eq!(lines[0], "air/keratin:300/air, instance 0, 520 nm, θ_i = 0°, φ_i = 30°");
     assert!(lines[1].starts_with("incident power") && lines[2].contains("intensity 2 (1/rad)"), "{one}");
     assert_eq!(lines.len(), 3 + 400);
-    let several =
-        run(&["far-field", "air/keratin:300/air", "--wavelength", "520", "--theta", "0", "--phi", "0,30"]).0;
+    let several = printed(&[
+        "far-field",
+        "air/keratin:300/air",
+        "--wavelength",
+        "520",
+        "--theta",
+        "0",
+        "--phi",
+        "0,30",
+    ]);
     let rows: Vec<Vec<f64>> = several
         .lines()
         .filter_map(|line| line.split_whitespace().map(|cell| cell.parse().ok()).collect())
@@ -108,7 +109,7 @@ fn words_show_one_far_field_whole_and_several_in_a_row_each() {
 
 #[test]
 fn the_number_of_threads_decides_no_bit() {
-    let with = |threads: &str| run(&[&SETS[..], &["50", "--json", "--threads", threads]].concat()).0;
+    let with = |threads: &str| printed(&[&SETS[..], &["50", "--json", "--threads", threads]].concat());
     assert_eq!(with("1"), with("3"));
 }
 
@@ -147,7 +148,7 @@ fn full_waves_give_widths_that_balance() {
     let beam = document(&[&words[..], &["--azimuths", "8"]].concat());
     let reflected = beam["polarization_1"]["reflected_fraction"].as_f64().unwrap();
     assert!(reflected > 0.0 && reflected < 1.0 && beam["polarization_1"]["extinction"].is_null());
-    let (table, _) = run(&words[..words.len() - 1]);
+    let (table, _) = succeed(&words[..words.len() - 1]);
     assert!(table.contains("nodes per wavelength"), "{table}");
 }
 

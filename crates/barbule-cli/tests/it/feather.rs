@@ -1,20 +1,6 @@
 //! `barbule feather`: measures and geometry.
 
-use serde_json::Value;
-
-use crate::common::program;
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn json(words: &[&str]) -> Value {
-    let (code, text, message) = run(words);
-    assert_eq!(code, 0, "{words:?}: {message}");
-    serde_json::from_str(&text).unwrap()
-}
+use crate::common::{json, run};
 
 /// What is measured on the grown geometry is what was asked for, and every size has a source.
 #[test]

@@ -2,18 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::program;
-
-struct Run {
-    code: i32,
-    message: String,
-}
-
-fn run(words: &[&str]) -> Run {
-    let output = program().args(words).output().unwrap();
-    let message = String::from_utf8(output.stderr).unwrap();
-    Run { code: output.status.code().unwrap(), message }
-}
+use crate::common::{printed, run};
 
 /// Width and height of a file in mm, and of a PNG in pixels.
 fn size(path: &Path) -> ([f64; 2], [u32; 2]) {
@@ -61,7 +50,7 @@ fn figures_have_the_size_they_are_asked_for_in_every_format() {
             let path = folder.path().join(format!("{number}.{ending}"));
             let mut words = command.to_vec();
             words.extend(["--figure-size", "85x60mm", "--font-size", "7", "-o", path.to_str().unwrap()]);
-            let Run { code, message } = run(&words);
+            let (code, _, message) = run(&words);
             assert_eq!(code, 0, "{words:?}: {message}");
             let ([width, height], _) = size(&path);
             // A PNG has whole pixels.
@@ -86,7 +75,7 @@ fn pixels_of_a_png_are_those_asked_for() {
         (&["4x3in", "--figure-dpi", "100"], [400, 300], 100.0),
     ] {
         let words: Vec<&str> = geometry.iter().chain(more).copied().collect();
-        assert_eq!(run(&words).code, 0);
+        assert_eq!(run(&words).0, 0);
         let ([width, _], found) = size(&path);
         assert_eq!(found, pixels);
         assert!((f64::from(found[0]) / width * 25.4 / dpi - 1.0).abs() < 1e-3);
@@ -100,7 +89,7 @@ fn titles_are_those_given_and_otherwise_read_well() {
     let file = path.to_str().unwrap();
     let drawn = |more: &[&str]| {
         let words: Vec<&str> = ["geometry", "starling", "-o", file].iter().chain(more).copied().collect();
-        assert_eq!(run(&words).code, 0);
+        assert_eq!(run(&words).0, 0);
         std::fs::read_to_string(&path).unwrap()
     };
     assert!(drawn(&["--title", "A starling's <barbule>"]).contains(">A starling's &lt;barbule&gt;<"));
@@ -178,7 +167,7 @@ fn flags_that_change_nothing_are_said_in_one_line() {
         (vec!["species", "starling", "--toml", "--peak-range", "400:500"], "--peak-range has no effect here"),
         (vec!["species", "starling", "--toml", "--json"], ""),
     ] {
-        let Run { code, message } = run(&words);
+        let (code, _, message) = run(&words);
         assert_eq!(code, 0, "{words:?}: {message}");
         let lines: Vec<&str> = message.lines().filter(|line| !line.starts_with("wrote ")).collect();
         assert_eq!(lines.len(), usize::from(!said.is_empty()), "{words:?}: {message}");
@@ -188,15 +177,10 @@ fn flags_that_change_nothing_are_said_in_one_line() {
 
 #[test]
 fn flags_of_every_command_may_stand_before_it() {
-    let said = |words: &[&str]| {
-        let output = program().args(words).output().unwrap();
-        assert!(output.status.success(), "{words:?}: {}", String::from_utf8_lossy(&output.stderr));
-        output.stdout
-    };
-    let after = said(&["geometry", "starling", "--seed", "7", "--json"]);
-    assert_eq!(said(&["--seed", "7", "geometry", "starling", "--json"]), after);
-    assert_eq!(said(&["--json", "--threads", "1", "--seed=7", "geometry", "starling"]), after);
-    assert_ne!(said(&["geometry", "starling", "--json"]), after);
-    let loud = run(&["-v", "film", "air/keratin:5/air"]);
-    assert!(loud.message.contains("1 layers, 50 wavelengths"), "{}", loud.message);
+    let after = printed(&["geometry", "starling", "--seed", "7", "--json"]);
+    assert_eq!(printed(&["--seed", "7", "geometry", "starling", "--json"]), after);
+    assert_eq!(printed(&["--json", "--threads", "1", "--seed=7", "geometry", "starling"]), after);
+    assert_ne!(printed(&["geometry", "starling", "--json"]), after);
+    let (_, _, loud) = run(&["-v", "film", "air/keratin:5/air"]);
+    assert!(loud.contains("1 layers, 50 wavelengths"), "{loud}");
 }

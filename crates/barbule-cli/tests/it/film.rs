@@ -1,22 +1,11 @@
 //! `barbule film` as people and scripts use it.
 
-use std::path::Path;
-use std::process::Command;
-
 use serde_json::Value;
 
-use crate::common::{Ends as _, program};
-
-fn barbule(arguments: &[&str]) -> Command {
-    let mut command = program();
-    command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
-    command
-}
+use crate::common::{Ends as _, at_root};
 
 fn film_json(arguments: &[&str]) -> Value {
-    let output = barbule(&[&["film", "--json"], arguments].concat()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    at_root(&[&["film", "--json"], arguments].concat()).prints_json()
 }
 
 fn number(value: &Value) -> f64 {
@@ -67,14 +56,14 @@ fn figures_and_tables_are_written_with_their_provenance() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (svg, png, csv) = (path("a.svg"), path("b.png"), path("c.csv"));
     let output =
-        barbule(&["film", "air/keratin:595/air", "--seed", "7", "-o", &svg, "--csv", &csv]).output().unwrap();
+        at_root(&["film", "air/keratin:595/air", "--seed", "7", "-o", &svg, "--csv", &csv]).output().unwrap();
     assert!(output.status.success());
     let printed = String::from_utf8(output.stdout).unwrap();
     assert!(printed.starts_with("0°, unpolarized: peak "), "the colour, without the table: {printed}");
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(said.lines().count(), 2);
     assert!(said.contains("wrote ") && said.contains("a.svg: R, T and A at 0° at 50 wavelengths"), "{said}");
-    barbule(&["film", "air/keratin:595/air", "--angles", "0:80:2", "-o", &png]).ends(0);
+    at_root(&["film", "air/keratin:595/air", "--angles", "0:80:2", "-o", &png]).ends(0);
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A\n0,400,"));
     assert_eq!(text.lines().count(), 51);
@@ -84,15 +73,15 @@ fn figures_and_tables_are_written_with_their_provenance() {
     assert!(notes["command"].as_str().unwrap().starts_with("barbule film air/keratin:595/air"));
     assert!(std::fs::read_to_string(&svg).unwrap().contains("seed: 7"));
     assert!(std::fs::read(&png).unwrap().starts_with(b"\x89PNG"));
-    let same_again = barbule(&["film", "air/keratin:595/air", "--threads", "1", "--json"]).output().unwrap();
-    let all_cores = barbule(&["film", "air/keratin:595/air", "--json"]).output().unwrap();
+    let same_again = at_root(&["film", "air/keratin:595/air", "--threads", "1", "--json"]).output().unwrap();
+    let all_cores = at_root(&["film", "air/keratin:595/air", "--json"]).output().unwrap();
     assert_eq!(same_again.stdout, all_cores.stdout);
 }
 
 #[test]
 fn the_examples_run() {
-    barbule(&["film", "examples/stacks/melanin-mirror.toml", "--angles", "0,30,60"]).ends(0);
-    barbule(&["film", "examples/stacks/glass-on-silver.toml", "--wavelengths", "500"]).ends(0);
+    at_root(&["film", "examples/stacks/melanin-mirror.toml", "--angles", "0,30,60"]).ends(0);
+    at_root(&["film", "examples/stacks/glass-on-silver.toml", "--wavelengths", "500"]).ends(0);
     let own = film_json(&[
         "air/glass:100/air",
         "--medium",
@@ -143,7 +132,7 @@ fn bad_input_is_refused_in_one_sentence_and_leaves_no_file() {
         (&["air/keratin:200±5%/air", "--instances", "0"], "--instances"),
     ];
     for (arguments, part) in cases {
-        let output = barbule(&[&["film"], *arguments].concat()).output().unwrap();
+        let output = at_root(&[&["film"], *arguments].concat()).output().unwrap();
         let message = String::from_utf8(output.stderr).unwrap();
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(part), "{arguments:?}: {message}");
@@ -163,7 +152,7 @@ fn column(text: &str, name: &str) -> Vec<f64> {
 fn unpolarized_light_is_the_mean_of_both_polarizations() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.csv");
-    barbule(&["film", "air/keratin:400/melanin:200/air", "--angle", "50", "--wavelength", "400:700:10"])
+    at_root(&["film", "air/keratin:400/melanin:200/air", "--angle", "50", "--wavelength", "400:700:10"])
         .args(["--quiet", "--csv"])
         .arg(&path)
         .ends(0);
@@ -188,7 +177,7 @@ fn the_numbers_of_the_colour_are_printed_and_in_the_document() {
     assert_eq!(looks[0]["s"]["srgb"], looks[0]["p"]["srgb"]);
     assert_ne!(looks[1]["s"]["peak_reflectance"], looks[1]["p"]["peak_reflectance"]);
     assert!(looks[1]["unpolarized"]["srgb"].as_str().unwrap().starts_with('#'));
-    let printed = barbule(&["film", "air/keratin:300/melanin:500/air"]).output().unwrap();
+    let printed = at_root(&["film", "air/keratin:300/melanin:500/air"]).output().unwrap();
     let printed = String::from_utf8(printed.stdout).unwrap();
     for part in ["0°, unpolarized: peak 49", "half width", "saturation S8", "x 0.", "sRGB #", "normalized #"]
     {
@@ -217,7 +206,7 @@ fn a_stack_that_spreads_gives_means_and_deviations() {
     let other = film_json(&[&[stack, "--seed", "2"], &set[..]].concat());
     assert_ne!(found["R"], other["R"]);
     let (svg, csv) = (path("a.svg"), path("a.csv"));
-    barbule(&["film", stack, "--instances", "5", "-o", &svg, "--csv", &csv]).ends(0);
+    at_root(&["film", stack, "--instances", "5", "-o", &svg, "--csv", &csv]).ends(0);
     let text = std::fs::read_to_string(&csv).unwrap();
     assert!(text.starts_with("angle_deg,wavelength_nm,R_s,R_p,T_s,T_p,A_s,A_p,R,T,A,R_s_std,R_p_std,T_s_std,T_p_std,A_s_std,A_p_std,R_std\n"));
     assert!(std::fs::read_to_string(&svg).unwrap().contains("mean ± 1 std of 5"));
@@ -242,7 +231,7 @@ fn a_spread_blurs_and_no_spread_changes_nothing() {
 #[test]
 fn what_is_doubtful_is_said_and_done() {
     let said = |arguments: &[&str]| {
-        let output = barbule(arguments).output().unwrap();
+        let output = at_root(arguments).output().unwrap();
         assert!(output.status.success());
         String::from_utf8(output.stderr).unwrap()
     };
@@ -265,7 +254,7 @@ fn what_is_doubtful_is_said_and_done() {
 fn spectra_of_a_stack_that_spreads_have_a_deviation() {
     let folder = tempfile::tempdir().unwrap();
     let csv = folder.path().join("s.csv");
-    barbule(&[
+    at_root(&[
         "spectrum",
         "air/keratin:300±5%/melanin:300/air",
         "--instances",
@@ -288,8 +277,8 @@ fn a_material_of_a_stack_that_spreads_shows_its_individuals() {
     let (material, picture, cache) = (path("m.barbule"), path("i.png"), path("cache"));
     let stack = "air/keratin:300±5%/melanin:300/air";
     let few = ["--wavelengths", "450,550,650", "--directions", "2x2", "--instances", "3"];
-    barbule(&["characterize", stack, "--quiet", "--cache", &cache, "-o", &material]).args(few).ends(0);
-    barbule(&["lobes", &material, "--fields", "--quiet", "--cache", &cache, "-o", &picture]).ends(0);
+    at_root(&["characterize", stack, "--quiet", "--cache", &cache, "-o", &material]).args(few).ends(0);
+    at_root(&["lobes", &material, "--fields", "--quiet", "--cache", &cache, "-o", &picture]).ends(0);
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
 }
 

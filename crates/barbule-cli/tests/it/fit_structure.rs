@@ -1,22 +1,12 @@
 //! `barbule fit-structure` as people and scripts use it.
 
-use std::path::Path;
-use std::process::Command;
-
 use serde_json::Value;
 
-use crate::common::program;
-
-fn barbule(arguments: &[&str]) -> Command {
-    let mut command = program();
-    command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
-    command
-}
+use crate::common::{Ends as _, at_root, said_by};
 
 fn refusal(arguments: &[&str]) -> String {
-    let output = barbule(&[&["fit-structure"], arguments].concat()).output().unwrap();
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && text.len() < 900, "{text}");
+    let (code, _, text) = at_root(&[&["fit-structure"], arguments].concat()).ran();
+    assert!(code == 2 && text.len() < 900, "{text}");
     text
 }
 
@@ -29,7 +19,7 @@ fn a_film_is_found_written_and_simulates_as_the_fitted_curve() {
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let mut table = "wl,R\n".to_owned();
     let film = ["film", "air/keratin:612/melanin", "--wavelengths", "400:700:5", "--angles", "20", "--json"];
-    let film: Value = serde_json::from_slice(&barbule(&film).output().unwrap().stdout).unwrap();
+    let film: Value = at_root(&film).prints_json();
     let reflected = |p: &str, k: usize| film[p][0][k].as_f64().unwrap();
     for (k, nm) in film["wavelength_nm"].as_array().unwrap().iter().enumerate() {
         table += &format!("{nm},{:.6}\n", 0.35 * (reflected("R_s", k) + reflected("R_p", k)));
@@ -50,8 +40,8 @@ fn a_film_is_found_written_and_simulates_as_the_fitted_curve() {
         &figure,
         "--json",
     ];
-    let output = barbule(&line).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let output = at_root(&line).output().unwrap();
+    let said = said_by(&output);
     assert!(output.status.success() && said.contains("best.toml: the best of"), "{said}");
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     let solution = &found["solutions"][0];
@@ -67,7 +57,7 @@ fn a_film_is_found_written_and_simulates_as_the_fitted_curve() {
             && (solution["level"][0].as_f64().unwrap() - 0.7).abs() < 1e-3
     );
     let again = ["film", &best, "--wavelengths", "400:700:5", "--angles", "20", "--json"];
-    let again: Value = serde_json::from_slice(&barbule(&again).output().unwrap().stdout).unwrap();
+    let again: Value = at_root(&again).prints_json();
     let level = solution["level"][0].as_f64().unwrap();
     for (k, fitted) in solution["fitted"][0].as_array().unwrap().iter().enumerate() {
         let mean = ["R_s", "R_p"].map(|p| again[p][0][k].as_f64().unwrap()).iter().sum::<f64>() / 2.0;
@@ -87,9 +77,9 @@ fn samples_are_individuals_and_other_orders_are_ranked() {
     let line =
         ["fit-structure", "--measured", STARLING, "--model", "film", "--stack", "air/keratin:?/melanin"];
     let idle = ["--instances", "4", "--plane", "along"];
-    let output = barbule(&[&line[..], &idle].concat()).output().unwrap();
+    let output = at_root(&[&line[..], &idle].concat()).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = said_by(&output);
     assert!(output.status.success(), "{said}");
     for flag in ["--instances", "--plane"] {
         assert!(said.contains(&format!("{flag} has no effect here: flat layers")), "{said}");

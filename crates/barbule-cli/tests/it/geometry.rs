@@ -2,13 +2,7 @@
 
 use std::path::Path;
 
-use crate::common::program;
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
+use crate::common::run;
 
 #[test]
 fn pictures_and_sections_are_written_and_sections_round_trip() {

@@ -8,7 +8,7 @@ use barbule::io::image::write_png;
 use barbule::scattering::statistics::Axes;
 use barbule::spectrum::Wavelengths;
 
-use crate::common::{CLOSE_UP, MADE_UP, bytes_of, write_made_up};
+use crate::common::{CLOSE_UP, MADE_UP, bytes_of, run_inside, write_made_up};
 
 const SECTION: &str = r#"{"barbule": 1, "units": "um", "width": 2.0, "name": "a", "materials": {"chitin": "n.csv"},
  "boundaries": [{"x": [-1, 0, 1], "z": [0, 0, 0]}], "media": ["air", "chitin"]}"#;
@@ -153,10 +153,8 @@ fn inputs(folder: &Path) {
 fn run(folder: &Path, line: &str) -> (u8, String) {
     let place = format!("{}/", folder.display());
     let words = line.split_whitespace().chain(["--quiet"]).map(|word| word.replace('@', &place));
-    let mut err = Vec::new();
-    let code =
-        barbule_cli::run(std::iter::once("barbule".to_owned()).chain(words), &mut Vec::new(), &mut err);
-    (code, String::from_utf8_lossy(&err).into_owned())
+    let (code, _, message) = run_inside(words);
+    (code, message)
 }
 
 #[test]

@@ -4,14 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, program, write_made_up};
+use crate::common::{Ends as _, MADE_UP, Ran, program, write_made_up};
 
-fn run_in(folder: &Path, words: &str) -> (i32, String, String) {
-    let mut command = program();
-    let output =
-        command.current_dir(folder).args(words.split(' ')).args(["--cache", "cache"]).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+fn run_in(folder: &Path, words: &str) -> Ran {
+    program().current_dir(folder).args(words.split(' ')).args(["--cache", "cache"]).ran()
 }
 
 fn json(folder: &Path, words: &str) -> Value {

@@ -5,17 +5,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::common::{program, run_and_peak};
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
+use crate::common::{run, run_and_peak, succeed};
 
 fn document(words: &[&str]) -> (Value, String) {
-    let (code, out, message) = run(&[words, &["--json"]].concat());
-    assert_eq!(code, 0, "{words:?}: {message}");
+    let (out, message) = succeed(&[words, &["--json"]].concat());
     (serde_json::from_str(&out).unwrap(), message)
 }
 

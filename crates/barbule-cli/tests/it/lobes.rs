@@ -5,22 +5,10 @@ use std::path::Path;
 use barbule::scattering::directions::omega;
 use serde_json::Value;
 
-use crate::common::{MADE_UP, program, write_made_up};
-
-fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).current_dir(folder).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn succeed(folder: &Path, words: &[&str]) -> (String, String) {
-    let (code, out, message) = run_in(folder, words);
-    assert_eq!(code, 0, "{words:?}: {message}");
-    (out, message)
-}
+use crate::common::{MADE_UP, run_in, succeed_in, write_made_up};
 
 fn numbers(folder: &Path, words: &[&str]) -> Value {
-    let (out, _) = succeed(folder, &[&["lobes"], words, &["--json"]].concat());
+    let (out, _) = succeed_in(folder, &[&["lobes"], words, &["--json"]].concat());
     serde_json::from_str(&out).unwrap()
 }
 
@@ -60,7 +48,7 @@ fn hemispheres_as_numbers_are_the_brdf_in_colour() {
 fn every_kind_gives_the_numbers_that_it_draws() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    succeed(here, &[&["characterize", "starling:teal", "-o", "a.barbule", "--quiet"], SMALL].concat());
+    succeed_in(here, &[&["characterize", "starling:teal", "-o", "a.barbule", "--quiet"], SMALL].concat());
     let parameters = numbers(here, &["a.barbule", "--parameters"]);
     assert_eq!(parameters["parameters"]["wavelength_nm"], serde_json::json!([450.0, 550.0, 650.0]));
     let m = parameters["parameters"]["m"][2][1][1].as_f64().unwrap();
@@ -83,14 +71,14 @@ fn every_kind_gives_the_numbers_that_it_draws() {
     assert_eq!(noise["q_r"].as_array().unwrap().len(), 3);
     // With a figure the numbers are the same, and one line says what was written.
     let words = ["lobes", "a.barbule", "--noise", "-o", "n.svg", "--json"];
-    let (out, said) = succeed(here, &words);
+    let (out, said) = succeed_in(here, &words);
     assert_eq!(&serde_json::from_str::<Value>(&out).unwrap()["noise"], noise);
     assert!(said.contains("wrote n.svg: the noise of starling teal"), "{said}");
     let instances = &numbers(here, &["a.barbule", "--instances", "2"])["lobes"];
     assert_eq!(instances["hemispheres"]["instances"].as_array().unwrap().len(), 2);
     assert_eq!(instances["patterns"]["directions"][0]["simulated"][0].as_array().unwrap().len(), 2);
     // The first row below the mean is the instance that `brdf` calls 0.
-    succeed(here, &["lobes", "a.barbule", "--instances", "1", "-o", "l.svg"]);
+    succeed_in(here, &["lobes", "a.barbule", "--instances", "1", "-o", "l.svg"]);
     let drawn = std::fs::read_to_string(here.join("l.svg")).unwrap();
     assert!(drawn.contains(">instance 0<") && !drawn.contains(">instance 1<"));
 }
@@ -100,8 +88,8 @@ fn thinned_materials_are_marked_in_titles() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
     let words = ["characterize", "starling", "--thin", "10", "-o", "thin.barbule", "--quiet"];
-    succeed(here, &words);
-    let (_, said) = succeed(here, &["lobes", "thin.barbule", "--parameters", "-o", "p.svg"]);
+    succeed_in(here, &words);
+    let (_, said) = succeed_in(here, &["lobes", "thin.barbule", "--parameters", "-o", "p.svg"]);
     assert!(said.contains("of starling green (thinned)"), "{said}");
     let figure = std::fs::read_to_string(here.join("p.svg")).unwrap();
     assert!(figure.contains("starling green (thinned)"));
@@ -113,7 +101,7 @@ fn thinned_materials_are_marked_in_titles() {
         assert_eq!(parameters[key].as_array().unwrap().len(), 6, "{key}");
     }
     let (out, _) =
-        succeed(here, &["brdf", "thin.barbule", "--wavelength", "520", "--wi", "0,0", "--wo", "0,0"]);
+        succeed_in(here, &["brdf", "thin.barbule", "--wavelength", "520", "--wi", "0,0", "--wo", "0,0"]);
     assert!(out.starts_with("starling green (thinned), mean"), "{out}");
 }
 
@@ -121,12 +109,12 @@ fn thinned_materials_are_marked_in_titles() {
 fn only_the_campaign_that_a_file_was_fitted_to_is_believed() {
     let folder = tempfile::tempdir().unwrap();
     let here = folder.path();
-    succeed(here, &[&["simulate", "starling:teal", "-o", "a.zarr", "--quiet"], SMALL].concat());
-    succeed(here, &["fit", "a.zarr", "-o", "a.barbule", "--quiet"]);
+    succeed_in(here, &[&["simulate", "starling:teal", "-o", "a.zarr", "--quiet"], SMALL].concat());
+    succeed_in(here, &["fit", "a.zarr", "-o", "a.barbule", "--quiet"]);
     let own = numbers(here, &["a.barbule", "--fits"]);
     // Another bird's store with the same wavelengths and directions.
     std::fs::remove_dir_all(here.join("a.zarr")).unwrap();
-    succeed(here, &[&["simulate", "bronzewing", "-o", "a.zarr", "--quiet"], SMALL].concat());
+    succeed_in(here, &[&["simulate", "bronzewing", "-o", "a.zarr", "--quiet"], SMALL].concat());
     let (code, out, message) = run_in(here, &["lobes", "a.barbule", "--fits", "-o", "f.svg"]);
     assert_eq!((code, out.as_str()), (2, ""));
     assert!(message.contains("a.zarr: is not the campaign that the material was fitted to"), "{message}");

@@ -8,6 +8,7 @@ mod birds;
 mod brdf;
 mod cache;
 mod campaign;
+mod checkpoints;
 mod common;
 mod completions;
 mod crystal;

@@ -3,13 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// What the program says and its exit code.
-fn run(words: &[&str]) -> (u8, String, String) {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let code = barbule_cli::run(["barbule"].iter().chain(words), &mut out, &mut err);
-    let text = |bytes| String::from_utf8(bytes).unwrap();
-    (code, text(out), text(err))
-}
+use crate::common::run_inside;
 
 /// What a reader of manuals says of a page on either output, if it is installed.
 fn complaints(program: &str, words: &[&str], page: &Path) -> Option<String> {
@@ -21,9 +15,9 @@ fn complaints(program: &str, words: &[&str], page: &Path) -> Option<String> {
 fn every_command_has_a_page_with_what_its_help_says() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path().join("deep/man1");
-    let (code, out, _) = run(&["man", "-o", at.to_str().unwrap(), "--quiet"]);
+    let (code, out, _) = run_inside(["man", "-o", at.to_str().unwrap(), "--quiet"]);
     assert!(code == 0 && out.is_empty());
-    let (_, list, _) = run(&["man", "--list"]);
+    let (_, list, _) = run_inside(["man", "--list"]);
     let names: Vec<&str> = list.lines().collect();
     let written = std::fs::read_dir(&at).unwrap().count();
     assert_eq!(written, names.len());
@@ -65,23 +59,23 @@ fn clap_long(argument: &clap::Arg) -> Option<String> {
 
 #[test]
 fn one_page_goes_to_standard_output_or_a_folder() {
-    let (code, page, _) = run(&["man", "render"]);
+    let (code, page, _) = run_inside(["man", "render"]);
     assert!(code == 0 && page.contains(".TH barbule-render 1") && page.contains("starling"));
-    let (_, own, _) = run(&["man"]);
+    let (_, own, _) = run_inside(["man"]);
     assert!(own.contains("barbule \\- Turns") && own.contains("barbule\\-render(1)"));
-    let (_, deep, _) = run(&["man", "bench", "render"]);
+    let (_, deep, _) = run_inside(["man", "bench", "render"]);
     assert!(deep.contains(".TH barbule-bench-render 1"));
-    let (_, json, _) = run(&["man", "render", "--json"]);
+    let (_, json, _) = run_inside(["man", "render", "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert_eq!((json["name"].as_str(), json["roff"].as_str()), (Some("barbule-render"), Some(&*page)));
 
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path().to_str().unwrap();
-    let (code, out, _) = run(&["man", "render", "-o", at, "--quiet"]);
+    let (code, out, _) = run_inside(["man", "render", "-o", at, "--quiet"]);
     assert!(code == 0 && out.is_empty());
     let written: Vec<_> = std::fs::read_dir(at).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(written, ["barbule-render.1"]);
-    let (_, json, _) = run(&["man", "render", "-o", at, "--json"]);
+    let (_, json, _) = run_inside(["man", "render", "-o", at, "--json"]);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert!(json["files"][0].as_str().unwrap().ends_with("barbule-render.1"), "{json}");
 }

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::common::run_and_peak;
 use super::limits::write;
+use crate::common::run_and_peak;
 
 /// What a run took, foretold and said.
 struct Run {

@@ -1,23 +1,12 @@
 //! The birds in `examples/species`, made by the generator of multilayers: they run, and their colours are those of their
 //! mean stacks (the film's transfer matrix as the second method) and of what is published.
 
-use std::path::Path;
-use std::process::Command;
-
 use serde_json::Value;
 
-use crate::common::{Ends as _, program};
-
-fn barbule(arguments: &[&str]) -> Command {
-    let mut command = program();
-    command.args(arguments).current_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."));
-    command
-}
+use crate::common::{Ends as _, at_root, said_by};
 
 fn document(arguments: &[&str]) -> Value {
-    let output = barbule(&[arguments, &["--json", "--quiet"]].concat()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    serde_json::from_slice(&output.stdout).unwrap()
+    at_root(&[arguments, &["--json", "--quiet"]].concat()).prints_json()
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -128,7 +117,7 @@ fn every_bird_is_drawn_and_described() {
     for (bird, curved) in [("tree-swallow", false), ("hadeda-ibis", false), ("lawes-parotia", true)] {
         let picture = folder.path().join(format!("{bird}.svg"));
         let file = format!("examples/species/{bird}.toml");
-        barbule(&["geometry", &file, "-o", picture.to_str().unwrap()]).ends(0);
+        at_root(&["geometry", &file, "-o", picture.to_str().unwrap()]).ends(0);
         assert!(std::fs::metadata(&picture).unwrap().len() < 1_500_000, "strips of one shade are one path");
         let section = document(&["geometry", &file]);
         let heights = numbers(&section["boundaries"][0]["z"]);
@@ -146,7 +135,7 @@ fn media_of_a_multilayer_come_from_its_file_the_flags_and_nowhere_else() {
     let write = |more: &str| std::fs::write(&file, format!("{text}{more}")).unwrap();
     let path = file.to_str().unwrap();
     let run =
-        |more: &[&str]| barbule(&[&["geometry", path, "--json", "--quiet"], more].concat()).output().unwrap();
+        |more: &[&str]| at_root(&[&["geometry", path, "--json", "--quiet"], more].concat()).output().unwrap();
     write("");
     let refused = String::from_utf8(run(&[]).stderr).unwrap();
     assert!(refused.contains("parameters.layers[0].medium: ") && refused.contains("resin"), "{refused}");
@@ -168,8 +157,8 @@ fn fringes_of_cores_that_are_alike_are_said_with_what_takes_them_out() {
         );
         std::fs::write(&file, text).unwrap();
         let words = ["spectrum", file.to_str().unwrap(), "--instances", "20", "--wavelengths", "500:700:5"];
-        let output = barbule(&[&words[..], &["--json"]].concat()).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let output = at_root(&[&words[..], &["--json"]].concat()).output().unwrap();
+        assert!(output.status.success(), "{}", said_by(&output));
         let document: Value = serde_json::from_slice(&output.stdout).unwrap();
         let mean = numbers(&document["mean"][0]);
         // What is left of a running mean over one fringe, 30 to 60 nm.

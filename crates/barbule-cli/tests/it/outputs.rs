@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
-use crate::common::{MADE_UP, bytes_of, program, write_made_up};
+use crate::common::{MADE_UP, bytes_of, program, said_by, write_made_up};
 
 fn barbule(folder: &Path) -> Command {
     let mut command = program();
@@ -14,10 +14,6 @@ fn barbule(folder: &Path) -> Command {
 
 fn run(folder: &Path, line: &str) -> Output {
     barbule(folder).args(line.split_whitespace()).output().unwrap()
-}
-
-fn message(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 fn is_one_sentence(message: &str) -> bool {
@@ -106,7 +102,7 @@ fn an_output_that_is_read_too_is_refused_under_every_name_and_stays_as_it_is() {
     let before = bytes_of(folder.path());
     for (line, part) in lines {
         let output = run(folder.path(), line);
-        let text = message(&output);
+        let text = said_by(&output);
         assert!(text.contains(part) && is_one_sentence(&text), "{line}\n{part}\n{text}");
         assert_eq!(output.status.code(), Some(2), "{line}");
         assert!(output.stdout.is_empty() && bytes_of(folder.path()) == before, "{line}");
@@ -116,7 +112,7 @@ fn an_output_that_is_read_too_is_refused_under_every_name_and_stays_as_it_is() {
         ["geometry in.json -o out.json", "geometry in.json -o out.json", "geometry in.json -o secs/b.json"]
     {
         let output = run(folder.path(), line);
-        assert!(output.status.success(), "{line}: {}", message(&output));
+        assert!(output.status.success(), "{line}: {}", said_by(&output));
     }
     fs::write(folder.path().join("starling"), "").unwrap();
     assert!(run(folder.path(), "geometry starling -o starling.json").status.success());
@@ -129,7 +125,7 @@ fn tables_go_through_pipes_and_devices_and_leave_nothing_beside_them() {
         return;
     }
     let printed = run(folder.path(), &format!("{FILM} --csv /dev/stdout"));
-    assert!(printed.status.success(), "{}", message(&printed));
+    assert!(printed.status.success(), "{}", said_by(&printed));
     let table = String::from_utf8(printed.stdout).unwrap();
     assert!(table.starts_with("angle_deg,wavelength_nm") && table.lines().count() == 3, "{table}");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -143,7 +139,7 @@ fn tables_go_through_pipes_and_devices_and_leave_nothing_beside_them() {
     let output = shell(
         "echo first > t.csv && FILM --csv /dev/stdout >> t.csv && FILM --csv >(cat > u.csv) && sleep 0.3",
     );
-    assert!(output.status.success(), "{}", message(&output));
+    assert!(output.status.success(), "{}", said_by(&output));
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(read("t.csv"), format!("first\n{table}"));
     assert_eq!(read("u.csv"), table);
@@ -175,7 +171,7 @@ fn what_is_there_keeps_its_permissions_and_is_refused_where_it_is_write_protecte
         set(open, 0o644);
         let output = run(folder.path(), "film air/keratin:999/air --wavelengths 500 --csv t.csv");
         assert_eq!(output.status.code(), Some(2));
-        assert!(message(&output).contains("is write-protected; give another name"), "{}", message(&output));
+        assert!(said_by(&output).contains("is write-protected; give another name"), "{}", said_by(&output));
         assert!(fs::read(&path).unwrap() == table, "{protected}");
     }
 }
@@ -217,14 +213,14 @@ fn exit_codes_say_whose_turn_it_is() {
     }
     for (line, code) in &lines {
         let output = run(folder.path(), line);
-        assert_eq!(output.status.code(), Some(*code), "{line}: {}", message(&output));
+        assert_eq!(output.status.code(), Some(*code), "{line}: {}", said_by(&output));
     }
     #[cfg(target_os = "linux")]
     for line in ["--help", "film --help", "--version", FILM, "species"] {
         let full = fs::File::options().write(true).open("/dev/full").unwrap();
         let output = barbule(folder.path()).args(line.split_whitespace()).stdout(full).output().unwrap();
         assert_eq!(output.status.code(), Some(1), "{line}");
-        assert!(message(&output).contains("standard output cannot be written"), "{}", message(&output));
+        assert!(said_by(&output).contains("standard output cannot be written"), "{}", said_by(&output));
     }
 }
 
@@ -237,7 +233,7 @@ fn names_that_are_no_unicode_are_written_and_said() {
     let name = OsStr::from_bytes;
     let succeed = |command: &mut Command| {
         let output = command.output().unwrap();
-        assert_eq!(output.status.code(), Some(0), "{}", message(&output));
+        assert_eq!(output.status.code(), Some(0), "{}", said_by(&output));
         serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
     };
     write_made_up();
@@ -276,13 +272,13 @@ fn limited(folder: &Path, limit: u32, line: &str) -> Output {
 fn threads_that_cannot_start_and_memory_that_is_not_there_end_in_a_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let output = limited(folder.path(), 900_000, "film air/keratin:3/air --threads 20");
-    assert_eq!(output.status.code(), Some(2), "{}", message(&output));
-    assert!(message(&output).contains("--threads 20: cannot be started"), "{}", message(&output));
-    assert!(is_one_sentence(&message(&output)));
+    assert_eq!(output.status.code(), Some(2), "{}", said_by(&output));
+    assert!(said_by(&output).contains("--threads 20: cannot be started"), "{}", said_by(&output));
+    assert!(is_one_sentence(&said_by(&output)));
     let sweep = "film air/keratin:3/air --threads 1 --wavelengths 300:830:0.2 --angles 0:80:0.2 --csv t.csv";
     let output = limited(folder.path(), 300_000, sweep);
-    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
-    assert!(message(&output).contains("the system has no more memory"), "{}", message(&output));
-    assert!(is_one_sentence(&message(&output)));
+    assert_eq!(output.status.code(), Some(1), "{}", said_by(&output));
+    assert!(said_by(&output).contains("the system has no more memory"), "{}", said_by(&output));
+    assert!(is_one_sentence(&said_by(&output)));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{Ends as _, MADE_UP, program, write_made_up};
+use crate::common::{Ends as _, MADE_UP, program, said_by, write_made_up};
 
 fn render(folder: &Path, words: &[&str]) -> (String, Value) {
     write_made_up();
@@ -15,7 +15,7 @@ fn render(folder: &Path, words: &[&str]) -> (String, Value) {
         .current_dir(folder)
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = said_by(&output);
     assert!(output.status.success(), "{words:?}: {said}");
     let report: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     (said, report[0].clone())
@@ -89,7 +89,7 @@ fn skies_are_read_from_radiance_files_and_metals_have_their_colours_in_them() {
     }
     std::fs::write(folder.path().join("sky.hdr"), &sky(false)[..60]).unwrap();
     let refused = program().args(["render", "s.toml", "-o", "b.png"]).current_dir(folder.path()).ends(2);
-    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let said = said_by(&refused);
     assert!(
         said.contains("sky.hdr: is cut off or damaged in line 1 of 4") && said.trim().lines().count() == 1,
         "{said}"
@@ -195,7 +195,7 @@ fn qualities_are_samples_and_noise_in_a_word() {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let said = said_by(&output);
         (
             output.status.code(),
             said,
@@ -237,7 +237,7 @@ fn noise_is_taken_away_where_the_library_is() {
             .unwrap()
     };
     let run = draw("no.exr", "4", &["--denoise=nowhere/libOpenImageDenoise.so.2"]);
-    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    let said = said_by(&run);
     assert_eq!(run.status.code(), Some(2));
     assert!(
         said.contains("--denoise: nowhere/libOpenImageDenoise.so.2") && said.trim().lines().count() == 1,
@@ -245,7 +245,7 @@ fn noise_is_taken_away_where_the_library_is() {
     );
     assert!(!folder.path().join("no.exr").exists());
     let run = draw("clean.exr", "4", &["--denoise"]);
-    let said = String::from_utf8_lossy(&run.stderr).into_owned();
+    let said = said_by(&run);
     if run.status.code() == Some(2) {
         println!("Open Image Denoise is not installed here: only what is said without it is tested");
         assert!(said.contains("is not installed; install it (Debian") && said.len() < 600, "{said}");

@@ -4,19 +4,17 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::program;
+use crate::common::{Ends as _, Ran, program, said_by};
 
-fn render(folder: &Path, words: &[&str]) -> (Option<i32>, String, String) {
-    let output = program().arg("render").args(words).current_dir(folder).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code(), text(output.stdout), text(output.stderr))
+fn render(folder: &Path, words: &[&str]) -> Ran {
+    program().arg("render").args(words).current_dir(folder).ran()
 }
 
 #[test]
 fn the_list_of_presets_says_what_each_shows() {
     let folder = tempfile::tempdir().unwrap();
     let (code, list, _) = render(folder.path(), &["--list"]);
-    assert_eq!(code, Some(0));
+    assert_eq!(code, 0);
     let line = list.lines().find(|line| line.starts_with("starling-feather ")).unwrap();
     assert!(
         line.ends_with("A starling's breast feather, whole: lanceolate, glossy, with a buff tip"),
@@ -30,13 +28,13 @@ fn the_list_of_presets_says_what_each_shows() {
         let (name, about) = (preset["name"].as_str().unwrap(), preset["about"].as_str().unwrap());
         assert!(list.contains(about) && help.contains(name), "{name}");
         let (code, toml, _) = render(folder.path(), &[name, "--toml"]);
-        assert!(code == Some(0) && toml.starts_with('#'), "{name}");
+        assert!(code == 0 && toml.starts_with('#'), "{name}");
     }
     let (_, json, _) = render(folder.path(), &["starling", "--toml", "--json"]);
     let json: Value = serde_json::from_str(&json).unwrap();
     assert!(json["camera"]["width_mm"].is_number() && json["light"].is_object(), "{json}");
-    assert_eq!(render(folder.path(), &["--list", "starling"]).0, Some(2));
-    assert_eq!(render(folder.path(), &["-o", "a.png"]).0, Some(2));
+    assert_eq!(render(folder.path(), &["--list", "starling"]).0, 2);
+    assert_eq!(render(folder.path(), &["-o", "a.png"]).0, 2);
 }
 
 #[test]
@@ -59,22 +57,20 @@ fn mistyped_names_are_offered_presets_species_and_files() {
         ("qqqqqqq", "(presets are rock-dove, starling,"),
     ] {
         let (code, _, said) = render(folder.path(), &[typed, "-o", "a.png"]);
-        assert_eq!((code, said.trim().lines().count()), (Some(2), 1), "{typed}: {said}");
+        assert_eq!((code, said.trim().lines().count()), (2, 1), "{typed}: {said}");
         assert!(said.contains(expected) && said.len() < 600, "{typed}: {said}");
     }
     // Structures are no presets.
     let words = ["spectrum", "grey.tml"];
     let output = program().args(words).current_dir(folder.path()).output().unwrap();
-    assert!(
-        String::from_utf8_lossy(&output.stderr).contains("grey.tml: no such file, did you mean 'grey.toml'?")
-    );
+    assert!(said_by(&output).contains("grey.tml: no such file, did you mean 'grey.toml'?"));
 }
 
 /// What is printed of the scene in which a file's bird is shown.
 fn scene_of(folder: &Path, species: &str) -> toml::Table {
     std::fs::write(folder.join("mine.toml"), species).unwrap();
     let (code, text, said) = render(folder, &["mine.toml", "--toml"]);
-    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(code, 0, "{said}");
     toml::from_str(&text).unwrap()
 }
 
@@ -107,7 +103,7 @@ fn a_species_file_chooses_the_close_up_that_suits_it() {
     )
     .unwrap();
     let (code, _, said) = render(folder.path(), &["mine.toml", "--toml"]);
-    assert_eq!(code, Some(2));
+    assert_eq!(code, 2);
     assert!(
         said.contains(
             "mine.toml: line 6: preset: there is no preset 'humingbird', did you mean 'hummingbird'?"

@@ -13,17 +13,9 @@ use barbule::io::store::Store;
 use barbule::scattering::statistics::Axes;
 use barbule::spectrum::Wavelengths;
 
+use crate::common::run_inside;
 use files::{Change, SCENE, SCENES, SECTION, SECTIONS, SPECIES, STACK, STACKS, STORES, TABLES};
 use lines::{HOSTILE, LINES, READERS};
-
-/// The program's exit code and message, as a panic would be seen.
-fn run(words: &[String]) -> (u8, String, String) {
-    let (mut out, mut err) = (Vec::new(), Vec::new());
-    let all = std::iter::once("barbule".to_owned()).chain(words.iter().cloned());
-    let code = barbule_cli::run(all, &mut out, &mut err);
-    let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
-    (code, text(out), text(err))
-}
 
 fn changed(good: &str, (from, to, _): &Change) -> String {
     assert!(good.contains(from), "{from}");
@@ -148,7 +140,7 @@ fn whatever_is_typed_a_refusal_is_one_short_line_without_control_characters() {
         for hostile in HOSTILE.map(|text| text.replace("LONG", &long)) {
             let word = |word: &str| word.replace('@', &here).replace('X', &hostile);
             let words: Vec<String> = line.split_whitespace().map(word).collect();
-            let (code, out, message) = run(&words);
+            let (code, out, message) = run_inside(&words);
             let sentence = message.strip_suffix('\n').unwrap_or(&message);
             let is_one = sentence.starts_with("barbule: ") && sentence.len() < 600;
             let clean = !sentence.chars().any(|c| c.is_control() || c == '\u{202e}');
@@ -180,7 +172,7 @@ fn pipes_without_a_writer_and_devices_are_no_inputs_and_are_not_waited_for() {
         vec!["render", &at("p.toml"), "-o", &at("f.png")],
     ] {
         let words: Vec<String> = line.iter().map(|word| (*word).to_owned()).collect();
-        let (code, _, message) = run(&words);
+        let (code, _, message) = run_inside(&words);
         assert!(code == 2 && message.contains("is a pipe or a device"), "{line:?}: {message}");
     }
 }
@@ -195,7 +187,7 @@ fn every_refusal_is_one_sentence_with_exit_code_2_and_leaves_no_file() {
     let mut wrong = Vec::new();
     for (line, part) in &lines {
         let words: Vec<String> = line.split_whitespace().map(|w| w.replace('@', &here)).collect();
-        let outcome = std::panic::catch_unwind(|| run(&words));
+        let outcome = std::panic::catch_unwind(|| run_inside(&words));
         let Ok((code, out, message)) = outcome else {
             wrong.push(format!("{line}\n    panics"));
             continue;

@@ -5,9 +5,9 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use crate::common::{CLOSE_UP, Ends as _, MADE_UP, program, write_made_up};
+use crate::common::{CLOSE_UP, Ends as _, MADE_UP, program, said_by, write_made_up};
 
-fn barbule(folder: &Path, arguments: &[&str]) -> Command {
+pub(crate) fn barbule(folder: &Path, arguments: &[&str]) -> Command {
     write_made_up();
     let mut command = program();
     command.args(["render"]).args(arguments).current_dir(folder);
@@ -15,7 +15,7 @@ fn barbule(folder: &Path, arguments: &[&str]) -> Command {
 }
 
 /// Small and without a simulated material: a second or two.
-const QUICK: &[&str] = &["--material", MADE_UP, "--size", "48x30", "--samples", "4"];
+pub(crate) const QUICK: &[&str] = &["--material", MADE_UP, "--size", "48x30", "--samples", "4"];
 
 #[test]
 fn a_picture_is_a_png_that_says_where_it_comes_from() {
@@ -23,7 +23,7 @@ fn a_picture_is_a_png_that_says_where_it_comes_from() {
     let words = ["starling", "-o", "s.png", "--json", "--light=60,45", "--seed", "7", "--arc", "light=30"];
     let arguments = [&words[..], QUICK].concat();
     let output = barbule(folder.path(), &arguments).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
+    let said = said_by(&output);
     assert!(output.status.success(), "{said}");
     assert_eq!(said.matches("--arc or --path has no effect here: there is one frame").count(), 1, "{said}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -47,7 +47,7 @@ fn what_lower_sides_wear_is_said_by_a_flag_and_kept_in_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let toml = |arguments: &[&str]| {
         let output = barbule(folder.path(), arguments).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", said_by(&output));
         String::from_utf8(output.stdout).unwrap()
     };
     let text = toml(&["mallard", "--under", "keratin", "--toml"]);
@@ -60,7 +60,7 @@ fn what_lower_sides_wear_is_said_by_a_flag_and_kept_in_a_file() {
     let arguments = [&["starling"], &seen_from_below[..], QUICK].concat();
     barbule(folder.path(), &arguments).ends(0);
     let refused = barbule(folder.path(), &["starling", "--under", "malard", "-o", "n.png"]).output().unwrap();
-    let message = String::from_utf8_lossy(&refused.stderr);
+    let message = said_by(&refused);
     assert!(refused.status.code() == Some(2) && message.contains("did you mean 'mallard'"), "{message}");
     assert!(!folder.path().join("n.png").exists());
 }
@@ -89,7 +89,7 @@ fn exr_frames_and_scene_files_are_written() {
     barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).ends(0);
     std::fs::write(folder.path().join("under.toml"), under.replace("h-0000", "none")).unwrap();
     let refused = barbule(folder.path(), &[&["under.toml", "-o", "u.png"], QUICK].concat()).ends(2);
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("none.exr: no such file"));
+    assert!(said_by(&refused).contains("none.exr: no such file"));
 }
 
 /// Three frames of a turning light: one feather is grown, and each frame is the picture under its light alone.
@@ -99,7 +99,7 @@ fn frames_share_one_feather_and_its_hierarchy() {
     let common =
         ["starling", "--light=20,50", "-o", "f.png", "--frames", "3", "--arc", "light=360", "--verbose"];
     let output = barbule(folder.path(), &[&common[..], QUICK].concat()).output().unwrap();
-    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let log = said_by(&output);
     assert!(output.status.success(), "{log}");
     assert_eq!(log.matches("primitives; ready in").count(), 1, "{log}");
     assert_eq!(log.lines().filter(|line| line.starts_with("light ")).count(), 3, "{log}");
@@ -116,9 +116,9 @@ fn frames_share_one_feather_and_its_hierarchy() {
 }
 
 /// What a run reports of its pictures; the pixels' hash among it.
-fn report(folder: &Path, arguments: &[&str]) -> Value {
+pub(crate) fn report(folder: &Path, arguments: &[&str]) -> Value {
     let output = barbule(folder, &[arguments, QUICK, &["--json"]].concat()).output().unwrap();
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.status.success(), "{arguments:?}: {}", said_by(&output));
     serde_json::from_slice::<Value>(&output.stdout).unwrap()[0].clone()
 }
 
@@ -139,7 +139,7 @@ fn a_printed_scene_is_the_same_picture_to_the_bit() {
     ];
     for arguments in cases {
         let printed = barbule(folder.path(), &[arguments, &["--toml"]].concat()).output().unwrap();
-        assert!(printed.status.success(), "{}", String::from_utf8_lossy(&printed.stderr));
+        assert!(printed.status.success(), "{}", said_by(&printed));
         std::fs::write(at("printed.toml"), &printed.stdout).unwrap();
         let drawn = report(folder.path(), &[arguments, &["-o", "a.png"]].concat());
         let again = report(folder.path(), &["printed.toml", "-o", "b.png"]);
@@ -149,7 +149,7 @@ fn a_printed_scene_is_the_same_picture_to_the_bit() {
         assert_eq!(has_comments, arguments.len() == 1 && arguments[0] == "starling");
     }
     let both = barbule(folder.path(), &["starling", "--toml", "-o", "x.png"]).ends(2);
-    assert!(String::from_utf8_lossy(&both.stderr).contains("cannot be used with"));
+    assert!(said_by(&both).contains("cannot be used with"));
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn pictures_are_cut_out_or_stand_before_a_background() {
     let sky = draw(&["-o", "sky.png", "--background", "sky"]);
     assert_eq!(sky["pixel_hash"], draw(&["-o", "plain.png"])["pixel_hash"]);
     let refused = barbule(folder.path(), &["starling", "-o", "x.png", "--background", "wall.jpg"]).ends(2);
-    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let message = said_by(&refused);
     assert!(message.contains("--background") && message.contains(".png, .exr or .hdr"), "{message}");
 }
 
@@ -333,7 +333,7 @@ fn curves_from_files_stand_in_the_picture() {
     assert_eq!(again["pixel_hash"], spline);
     std::fs::write(at("scenes/rod.txt"), "0 0 0 1\n1 0 0 1\n").unwrap();
     let refused = barbule(folder.path(), &["scenes/rod.toml", "-o", "x.png"]).ends(2);
-    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let message = said_by(&refused);
     assert!(
         message.contains("objects[0].curves") && message.contains("has 2 points, but needs 4"),
         "{message}"
@@ -406,7 +406,7 @@ fn a_coat_is_drawn_alike_on_any_number_of_threads() {
     let drawn = |threads: &str| {
         let words = ["coat.toml", "-o", "coat.png", "--samples", "4", "--json", "--threads", threads];
         let output = barbule(folder.path(), &words).output().unwrap();
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{}", said_by(&output));
         serde_json::from_slice::<Value>(&output.stdout).unwrap()[0].clone()
     };
     let (one, two) = (drawn("1"), drawn("2"));
@@ -415,7 +415,7 @@ fn a_coat_is_drawn_alike_on_any_number_of_threads() {
     let refused = |coat: &str, expected: &str| {
         scene(coat);
         let run = barbule(folder.path(), &["coat.toml", "-o", "other.png"]).ends(2);
-        let message = String::from_utf8_lossy(&run.stderr).into_owned();
+        let message = said_by(&run);
         assert!(message.contains(expected) && message.trim_end().lines().count() == 1, "{message}");
         assert!(!folder.path().join("other.png").exists());
     };
@@ -450,65 +450,16 @@ fn a_sensor_of_a_file_sees_its_own_channels() {
     barbule(folder.path(), &[&begun, QUICK].concat()).ends(0);
     let again = ["starling", "-o", "k.exr", "--sensor", "false.toml", "--resume"];
     let refused = barbule(folder.path(), &[&again, QUICK].concat()).ends(2);
-    let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+    let message = said_by(&refused);
     assert!(message.contains("another picture") && message.contains("sensor"), "{message}");
     // The made-up material ends where the cones see on.
     let drawn = ["starling", "-o", "f.png", "--sensor", "false.toml"];
     let drawn = barbule(folder.path(), &[&drawn, QUICK].concat()).ends(0);
-    let said = String::from_utf8_lossy(&drawn.stderr).into_owned();
+    let said = said_by(&drawn);
     assert!(said.contains("'false colours' sees 300 to 600 nm, but the material is known"), "{said}");
     let human = report(folder.path(), &["starling", "-o", "h.png", "--sensor", "human"]);
     assert_eq!(human["pixel_hash"], report(folder.path(), &["starling", "-o", "i.png"])["pixel_hash"]);
     assert!(human.get("sensor").is_none());
-}
-
-/// Previews change nothing about the picture, nor does the size of rounds.
-#[test]
-fn a_previewed_picture_has_the_same_bits() {
-    let folder = tempfile::tempdir().unwrap();
-    let plain = report(folder.path(), &["starling", "-o", "a.png"]);
-    let previewed = report(folder.path(), &["starling", "-o", "b.png", "--preview=0.000001s"]);
-    assert_eq!(plain["pixel_hash"], previewed["pixel_hash"]);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
-}
-
-/// A time that is over at once ends it after a sample of each pixel. What is done needs no checkpoint any more.
-#[test]
-fn a_resumed_picture_has_the_same_bits_and_leaves_no_checkpoint() {
-    let folder = tempfile::tempdir().unwrap();
-    let render = |name: &str, more: &[&str]| {
-        let arguments = ["starling", "--resume", "-o", name];
-        report(folder.path(), &[&arguments[..], more].concat())
-    };
-    let is_kept = |name: &str| folder.path().join(format!("{name}.checkpoint")).exists();
-    let begun = render("a.png", &["--time", "0.001s"]);
-    assert_eq!((&begun["ended"], &begun["samples"]), (&"time".into(), &"1.0".into()));
-    assert!(is_kept("a.png"));
-    // Another light is another picture.
-    let other = [&["starling", "--resume", "-o", "a.png", "--light=1,50"][..], QUICK].concat();
-    let refused = barbule(folder.path(), &other).ends(2);
-    assert!(String::from_utf8_lossy(&refused.stderr).contains("another picture"));
-    let (resumed, whole) = (render("a.png", &[]), render("b.png", &[]));
-    assert_eq!((&resumed["pixel_hash"], &resumed["ended"]), (&whole["pixel_hash"], &"done".into()));
-    assert!(resumed["paths"].as_u64() < whole["paths"].as_u64());
-    assert!(!is_kept("a.png") && !is_kept("b.png"));
-}
-
-/// Frames that are done keep theirs until all are: the sequence goes on after them.
-#[test]
-fn a_sequence_keeps_checkpoints_until_all_its_frames_are_done() {
-    let folder = tempfile::tempdir().unwrap();
-    let arguments = ["starling", "--resume", "--frames", "2", "-o", "f.png", "--json"];
-    let render = |more: &[&str]| {
-        let run = barbule(folder.path(), &[&arguments[..], QUICK, more].concat()).ends(0);
-        serde_json::from_slice::<Value>(&run.stdout).unwrap()
-    };
-    let count = || std::fs::read_dir(folder.path()).unwrap().count();
-    render(&["--time", "0.001s"]);
-    assert_eq!(count(), 4);
-    let done = render(&[]);
-    assert_eq!(count(), 2);
-    assert_eq!(done[1]["paths"], 3 * 48 * 30);
 }
 
 /// Which noise was asked for, what was reached, and why not: in the line, in the picture and in JSON.
@@ -519,7 +470,7 @@ fn a_picture_says_whether_its_noise_was_reached() {
         let arguments = ["starling", "--material", MADE_UP, "--size", "48x30", "--json", "-o", name];
         let run = barbule(folder.path(), &[&arguments[..], more].concat()).ends(0);
         let report: Value = serde_json::from_slice(&run.stdout).unwrap();
-        let said = String::from_utf8_lossy(&run.stderr).into_owned();
+        let said = said_by(&run);
         (report[0].clone(), said)
     };
     let (report, said) = render("a.png", &["--noise", "0.3", "--time", "0.5s"]);
@@ -599,7 +550,7 @@ fn what_cannot_be_rendered_is_refused_in_a_sentence_and_leaves_nothing() {
     ];
     for (arguments, fragment) in cases {
         let refused = barbule(folder.path(), arguments).ends(2);
-        let message = String::from_utf8_lossy(&refused.stderr).into_owned();
+        let message = said_by(&refused);
         assert!(message.contains(fragment) && message.len() < 600, "{arguments:?}: {message}");
         assert_eq!(message.trim_end().lines().count(), 1, "{message}");
         assert!(!["x.png", "x.exr"].iter().any(|name| folder.path().join(name).exists()));

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::common::{bytes_of, program};
+use crate::common::{bytes_of, program, said_by};
 use barbule::math::rng::Stream;
 
 /// A campaign of half a second.
@@ -19,10 +19,6 @@ fn command(store: &Path, more: &[&str]) -> Command {
 
 fn simulate(store: &Path, more: &[&str]) -> Output {
     command(store, more).output().unwrap()
-}
-
-fn message(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
 fn start(store: &Path, more: &[&str]) -> Child {
@@ -46,8 +42,8 @@ fn killed(repetitions: u64) {
             child.wait().unwrap();
         }
         let output = simulate(&store, &[]);
-        assert!(output.status.success(), "{}", message(&output));
-        assert!(!message(&output).contains("damaged"), "{}", message(&output));
+        assert!(output.status.success(), "{}", said_by(&output));
+        assert!(!said_by(&output).contains("damaged"), "{}", said_by(&output));
         assert!(bytes_of(&store) == whole, "repetition {repetition}");
     }
     // Nothing lies about.
@@ -81,7 +77,7 @@ fn several_processes_fill_one_new_store_to_the_same_bits_at_any_number_of_thread
     let children: Vec<Child> = runs.iter().map(|more| start(&shared, more)).collect();
     for child in children {
         let output = child.wait_with_output().unwrap();
-        assert!(output.status.success(), "{}", message(&output));
+        assert!(output.status.success(), "{}", said_by(&output));
     }
     assert!(bytes_of(&alone) == bytes_of(&shared));
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
@@ -109,7 +105,7 @@ fn truncated_emptied_altered_and_lengthened_chunks_are_found_computed_again_and_
     assert!(status.contains("11 of 15 units done, 0 missing, 4 damaged"), "{status}");
     let output = simulate(&store, &[]);
     assert!(output.status.success());
-    assert!(message(&output).contains("4 damaged units were computed again"), "{}", message(&output));
+    assert!(said_by(&output).contains("4 damaged units were computed again"), "{}", said_by(&output));
     assert!(bytes_of(&store) == whole);
 }
 
@@ -167,7 +163,7 @@ fn memory_that_does_not_suffice_is_said_before_anything_is_written() {
     let store = folder.path().join("s.zarr");
     let output = simulate(&store, &["--memory", "20MB"]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(message(&output).contains("but 20 MB are allowed; raise --memory"), "{}", message(&output));
+    assert!(said_by(&output).contains("but 20 MB are allowed; raise --memory"), "{}", said_by(&output));
     assert!(!store.exists());
 }
 
@@ -216,8 +212,8 @@ fn a_full_disk_is_said_leaves_nothing_half_written_and_more_space_resumes() {
     let (whole, store) = (folder.path().join("s.zarr"), disk.0.path().join("s.zarr"));
     assert!(simulate(&whole, &[]).status.success());
     let output = simulate(&store, &[]);
-    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
-    let text = message(&output);
+    assert_eq!(output.status.code(), Some(1), "{}", said_by(&output));
+    let text = said_by(&output);
     assert!(text.contains("No space left") && text.contains("free some space") && text.len() < 600, "{text}");
     let status = barbule::io::store::Store::open(&store).unwrap().status();
     assert!(status.damaged == 0 && status.missing() > 0, "{status:?}");
@@ -228,7 +224,7 @@ fn a_full_disk_is_said_leaves_nothing_half_written_and_more_space_resumes() {
     // Too small for a store at all: nothing is there afterwards.
     let Some(tiny) = Disk::new("20k") else { return };
     let output = simulate(&tiny.0.path().join("s.zarr"), &[]);
-    assert_eq!(output.status.code(), Some(1), "{}", message(&output));
+    assert_eq!(output.status.code(), Some(1), "{}", said_by(&output));
     assert_eq!(std::fs::read_dir(tiny.0.path()).unwrap().count(), 0);
 }
 
@@ -254,7 +250,7 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
     assert!(render(&["d.png", "--resume"]).status.success());
     std::fs::remove_file(disk.0.path().join("d.png")).unwrap();
     let output = render(&["r.png", "--resume", "--time", "0.001s"]);
-    let text = message(&output);
+    let text = said_by(&output);
     assert_eq!(output.status.code(), Some(1), "{text}");
     assert!(text.contains("r.png.checkpoint: cannot be written (No space left"), "{text}");
     assert!(text.contains("the picture itself is written") && text.len() < 600, "{text}");
@@ -264,7 +260,7 @@ fn a_disk_too_small_for_a_checkpoint_does_not_lose_the_picture() {
     // All frames of a sequence are drawn, and it is said once.
     std::fs::remove_file(disk.0.path().join("r.png")).unwrap();
     let output = render(&["f.png", "--resume", "--frames", "3"]);
-    let text = message(&output);
+    let text = said_by(&output);
     assert!(output.status.success(), "{text}");
     assert_eq!(text.matches("cannot be written (No space left").count(), 1, "{text}");
     assert!(
@@ -293,8 +289,8 @@ fn tables_that_do_not_fit_on_the_disk_leave_neither_themselves_nor_their_notes()
     // One page for the table, one for the notes; then the folder has no room for a second pair.
     for set in ["400:800:1", "400:460:1"] {
         let output = film(set);
-        assert_eq!(output.status.code(), Some(1), "{}", message(&output));
-        assert!(message(&output).contains("free some space"), "{}", message(&output));
+        assert_eq!(output.status.code(), Some(1), "{}", said_by(&output));
+        assert!(said_by(&output).contains("free some space"), "{}", said_by(&output));
         assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 0);
     }
     disk.remount("size=1m");
@@ -302,7 +298,7 @@ fn tables_that_do_not_fit_on_the_disk_leave_neither_themselves_nor_their_notes()
     assert_eq!(std::fs::read_dir(disk.0.path()).unwrap().count(), 2);
     disk.remount("ro");
     let output = film("500");
-    assert_eq!(output.status.code(), Some(2), "{}", message(&output));
+    assert_eq!(output.status.code(), Some(2), "{}", said_by(&output));
 }
 
 #[cfg(target_os = "linux")]
@@ -319,12 +315,12 @@ fn a_store_that_cannot_be_written_is_refused_before_work_unless_it_is_finished()
     assert!(String::from_utf8_lossy(&told.stdout).contains("units, killed\n"), "{told:?}");
     let output = simulate(&store, &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(message(&output).contains("the store cannot be written (Read-only"), "{}", message(&output));
+    assert!(said_by(&output).contains("the store cannot be written (Read-only"), "{}", said_by(&output));
     let finished = simulate(&store, &["--shard", "0/2"]);
-    assert!(finished.status.success() && message(&finished).contains("nothing to do"));
+    assert!(finished.status.success() && said_by(&finished).contains("nothing to do"));
     let output = simulate(&disk.0.path().join("other.zarr"), &[]);
     assert_eq!(output.status.code(), Some(2));
-    assert!(message(&output).contains("cannot be created (Read-only"), "{}", message(&output));
+    assert!(said_by(&output).contains("cannot be created (Read-only"), "{}", said_by(&output));
     disk.remount("rw");
     assert!(simulate(&store, &[]).status.success());
 }

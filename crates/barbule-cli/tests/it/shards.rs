@@ -5,7 +5,7 @@ use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-use crate::common::{CLOSE_UP, bytes_of, program};
+use crate::common::{CLOSE_UP, bytes_of, program, said_by, succeed_in};
 use crate::validate::timeless;
 
 /// A campaign of a second: 24 units, one of which takes some hundredths.
@@ -21,14 +21,8 @@ fn run(folder: &Path, words: &[&str]) -> Output {
     barbule(folder, words).output().unwrap()
 }
 
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
 fn succeed(folder: &Path, words: &[&str]) -> String {
-    let output = run(folder, words);
-    assert!(output.status.success(), "{words:?}: {}", said(&output));
-    String::from_utf8_lossy(&output.stdout).into_owned()
+    succeed_in(folder, words).0
 }
 
 fn simulating<'a>(store: &'a str, more: &[&'a str]) -> Vec<&'a str> {
@@ -73,7 +67,11 @@ fn shards_in_any_order_are_one_campaign_and_their_state_is_told() {
     let halves = status(at, "s.zarr", &["--shards", "2"]);
     assert_eq!(states(&halves), ["waiting", "waiting"]);
     let repeated = run(at, &simulating("s.zarr", &["--shard", "0/5"]));
-    assert!(repeated.status.success() && said(&repeated).contains("nothing to do"), "{}", said(&repeated));
+    assert!(
+        repeated.status.success() && said_by(&repeated).contains("nothing to do"),
+        "{}",
+        said_by(&repeated)
+    );
     succeed(at, &simulating("s.zarr", &["--shard", "2/5"]));
     assert_eq!(states(&status(at, "s.zarr", &["--shards", "5"])), ["done"; 5]);
     assert!(bytes_of(&at.join("s.zarr")) == bytes_of(&at.join("whole.zarr")));
@@ -121,7 +119,7 @@ fn a_shard_that_runs_is_seen_and_one_that_was_killed_is_repeated_to_the_same_byt
     // Two at once, then that one again.
     for child in [start("0/3"), start("2/3")] {
         let output = child.wait_with_output().unwrap();
-        assert!(output.status.success(), "{}", said(&output));
+        assert!(output.status.success(), "{}", said_by(&output));
     }
     succeed(at, &simulating("s.zarr", &["--shard", "1/3"]));
     assert!(bytes_of(&at.join("s.zarr")) == bytes_of(&at.join("whole.zarr")));
@@ -187,7 +185,7 @@ fn values_that_share_nothing_out_are_refused() {
         ("render s.toml -o f.png --frames 4 --exposure auto --shard 0/2", "give a factor by --exposure"),
     ] {
         let output = run(folder.path(), &words.split(' ').collect::<Vec<_>>());
-        let message = said(&output);
+        let message = said_by(&output);
         assert_eq!(output.status.code(), Some(2), "{words}: {message}");
         assert!(message.contains(expected) && message.trim().len() < 600, "{words}: {message}");
     }
@@ -203,8 +201,8 @@ fn full_waves_of_several_processes_are_found_by_the_one_that_draws() {
     let validate = |out: &str, more: &[&str]| -> (String, String) {
         let words = [&words.split(' ').collect::<Vec<_>>()[..], &[out], more].concat();
         let output = run(at, &words);
-        assert!(output.status.success(), "{}", said(&output));
-        (String::from_utf8_lossy(&output.stdout).into_owned(), said(&output))
+        assert!(output.status.success(), "{}", said_by(&output));
+        (String::from_utf8_lossy(&output.stdout).into_owned(), said_by(&output))
     };
     let numbers = |out: &str| -> Value {
         serde_json::from_slice(&std::fs::read(at.join(out).join("numbers.json")).unwrap()).unwrap()
@@ -233,8 +231,8 @@ fn materials_and_halos_of_several_processes_are_those_of_one() {
     let words: Vec<&str> = words.split(' ').collect();
     let characterize = |more: &[&str]| {
         let output = run(at, &[&words[..], more].concat());
-        assert!(output.status.success(), "{}", said(&output));
-        (String::from_utf8_lossy(&output.stdout).into_owned(), said(&output))
+        assert!(output.status.success(), "{}", said_by(&output));
+        (String::from_utf8_lossy(&output.stdout).into_owned(), said_by(&output))
     };
     characterize(&["-o", "alone.barbule"]);
     std::fs::create_dir(at.join("stores")).unwrap();
@@ -313,14 +311,14 @@ fn a_picture_in_parts_is_that_of_one_process() {
             (&report[0]["paths"], &report[0]["exposure_by"]),
             (&json!(0), &json!("key")),
             "{}",
-            said(&output)
+            said_by(&output)
         );
         let parts = if of == 1 {
             "1 part is joined\n".to_owned()
         } else {
             format!("{} parts are joined\n", of.min(6))
         };
-        assert!(said(&output).contains(&parts), "{}", said(&output));
+        assert!(said_by(&output).contains(&parts), "{}", said_by(&output));
         assert!(pictures(&shared) == pictures(&alone), "of {of}");
         std::fs::remove_file(shared.join("f.png")).unwrap();
     }
@@ -331,9 +329,9 @@ fn a_picture_in_parts_is_that_of_one_process() {
     succeed(&shared, &drawing("f.exr", &[&["--shard", "0/2"], &planes[..]].concat()));
     let output = run(&shared, &drawing("f.exr", &planes));
     assert!(
-        said(&output).contains("2 parts are joined; what they lack is rendered here"),
+        said_by(&output).contains("2 parts are joined; what they lack is rendered here"),
         "{}",
-        said(&output)
+        said_by(&output)
     );
     let mut expected = pictures(&alone);
     expected.remove("f.png");
@@ -355,7 +353,7 @@ fn parts_that_were_killed_damaged_or_of_another_picture_are_rendered_anew() {
     let whole = pictures(at);
     std::fs::remove_file(at.join("f.png")).unwrap();
     let part = |shard: &str, more: &[&str]| {
-        said(&run(at, &drawing("f.png", &[&["--shard", shard], &long[..], more].concat())))
+        said_by(&run(at, &drawing("f.png", &[&["--shard", shard], &long[..], more].concat())))
     };
     part("1/2", &[]);
     let kept = at.join("f.png.part-1-of-2");
@@ -379,7 +377,7 @@ fn parts_that_were_killed_damaged_or_of_another_picture_are_rendered_anew() {
     let message = part("1/2", &["--light=1,50"]);
     assert!(message.contains("another picture") && std::fs::read(&kept).unwrap() != good, "{message}");
     part("0/2", &[]);
-    let message = said(&run(at, &drawing("f.png", &long)));
+    let message = said_by(&run(at, &drawing("f.png", &long)));
     assert!(message.contains("f.png.part-1-of-2: ") && message.contains("; it is not joined"), "{message}");
     assert!(message.contains("1 part is joined; what it lacks is rendered here"), "{message}");
     // What is of another picture is not this one's to delete.
@@ -502,7 +500,7 @@ done
             // A second time there is nothing to do.
             for _ in 0..2 {
                 let output = shell(at, &line, &script(name));
-                assert!(output.status.success(), "{name}: {}", said(&output));
+                assert!(output.status.success(), "{name}: {}", said_by(&output));
                 assert!(bytes_of(&at.join("s.zarr")) == whole, "{name}");
             }
             std::fs::remove_dir_all(at.join("s.zarr")).unwrap();
@@ -526,8 +524,8 @@ done
             ("local-array.sh", "AT_ONCE=0 sh \"$1\" s.zarr starling", "give numbers from 1 on"),
         ] {
             let output = shell(folder.path(), line, &script(name));
-            assert!(!output.status.success(), "{name} {line}: {}", said(&output));
-            assert!(said(&output).contains(expected), "{name} {line}: {}", said(&output));
+            assert!(!output.status.success(), "{name} {line}: {}", said_by(&output));
+            assert!(said_by(&output).contains(expected), "{name} {line}: {}", said_by(&output));
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::{MADE_UP, program, write_made_up};
+use crate::common::{MADE_UP, program, said_by, write_made_up};
 
 /// What a run says, and the hash of its pixels.
 fn drawn(folder: &Path, scene: &str) -> (String, String) {
@@ -15,7 +15,7 @@ fn drawn(folder: &Path, scene: &str) -> (String, String) {
         .current_dir(folder)
         .output()
         .unwrap();
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let said = said_by(&output);
     assert!(output.status.success(), "{said}");
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     (said, report[0]["pixel_hash"].as_str().unwrap().to_owned())

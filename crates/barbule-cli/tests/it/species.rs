@@ -3,29 +3,17 @@
 use barbule::fields::parse_toml;
 use serde_json::Value;
 
-use crate::common::program;
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn succeed(words: &[&str]) -> String {
-    let (code, out, message) = run(words);
-    assert_eq!(code, 0, "{words:?}: {message}");
-    out
-}
+use crate::common::{json, printed, run, succeed};
 
 fn document(words: &[&str]) -> Value {
-    serde_json::from_str(&succeed(&[words, &["--json"]].concat())).unwrap()
+    json(&[words, &["--json"]].concat())
 }
 
 #[test]
 fn an_unchanged_copy_reflects_the_same_and_an_edited_one_does_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("swallow.toml").to_string_lossy().into_owned();
-    let copy = succeed(&["species", "starling:pink", "--toml"]);
+    let copy = printed(&["species", "starling:pink", "--toml"]);
     assert!(!copy.contains("variants") && copy.contains("name = \"my-starling\""), "{copy}");
     let spectrum = |structure: &str| {
         let words = ["spectrum", structure, "--wavelengths", "450,600", "--instances", "3"];
@@ -46,7 +34,7 @@ fn an_unchanged_copy_reflects_the_same_and_an_edited_one_does_not() {
 fn an_edit_that_variants_would_hide_is_refused_with_both_lines() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml").to_string_lossy().into_owned();
-    let whole = succeed(&["species", "starling", "--toml"]);
+    let whole = printed(&["species", "starling", "--toml"]);
     std::fs::write(&path, whole.replace("[parameters]", "[parameters]\ncortex_um = 0.2")).unwrap();
     let (code, out, message) = run(&["species", &path]);
     assert_eq!((code, out.as_str()), (2, ""));
@@ -56,11 +44,11 @@ fn an_edit_that_variants_would_hide_is_refused_with_both_lines() {
 
 #[test]
 fn files_are_printed_as_toml_or_as_json_of_the_same_content() {
-    let toml = parse_toml(&succeed(&["species", "magpie:blue", "--toml"])).unwrap();
+    let toml = parse_toml(&printed(&["species", "magpie:blue", "--toml"])).unwrap();
     let json = document(&["species", "magpie:blue", "--toml"]);
     assert_eq!(toml, json);
     assert_eq!(json["parameters"]["period_um"], 0.19);
-    let whole = parse_toml(&succeed(&["species", "magpie", "--toml"])).unwrap();
+    let whole = parse_toml(&printed(&["species", "magpie", "--toml"])).unwrap();
     assert_eq!(whole["variants"].as_array().unwrap().len(), 8);
 }
 
@@ -89,7 +77,7 @@ fn species_are_known_by_the_names_that_people_use() {
     }
     // Brightened, and at its own luminance.
     assert_eq!((&variant["srgb_normalized"], &variant["srgb"]), (&"#f3b7df".into(), &"#4e3846".into()));
-    let text = succeed(&["species", "European-starling:pink"]);
+    let text = printed(&["species", "European-starling:pink"]);
     assert!(text.starts_with("starling (Sturnus vulgaris): a keratin thin film"), "{text}");
     assert!(text.contains("source: ") && text.contains("cortex_um = 0.38 "), "{text}");
 }
@@ -102,9 +90,9 @@ fn every_kind_of_structure_has_its_colour() {
         let found = document(&["species", structure]);
         found["species"][0]["variants"][0]["srgb_normalized"].as_str().unwrap().to_owned()
     };
-    std::fs::write(path("duck.toml"), succeed(&["species", "mallard:blue", "--toml"])).unwrap();
+    std::fs::write(path("duck.toml"), printed(&["species", "mallard:blue", "--toml"])).unwrap();
     assert_eq!(normalized(&path("duck.toml")), normalized("mallard:blue"));
-    std::fs::write(path("birds.toml"), succeed(&["species", "starling", "--toml"])).unwrap();
+    std::fs::write(path("birds.toml"), printed(&["species", "starling", "--toml"])).unwrap();
     assert_eq!(normalized(&format!("{}:teal", path("birds.toml"))), normalized("starling:teal"));
     let stack = normalized("air/keratin:300/air");
     std::fs::write(path("stack.toml"), "stack = 'air/keratin:300/air'").unwrap();
@@ -130,15 +118,15 @@ fn what_is_printed_fits_a_terminal() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml").to_string_lossy().into_owned();
     for name in ["starling:pink", "hummingbird", "peafowl:blue", "rock-dove"] {
-        std::fs::write(&path, succeed(&["species", name, "--toml"])).unwrap();
+        std::fs::write(&path, printed(&["species", name, "--toml"])).unwrap();
         for structure in [name, &path] {
-            let text = succeed(&["species", structure]);
+            let text = printed(&["species", structure]);
             let widest = text.lines().max_by_key(|line| line.chars().count()).unwrap();
             assert!(widest.chars().count() <= 80, "{structure}: {widest}");
         }
     }
     // Parameters begin lines, and what they are stands beside them in a column of its own.
-    let text = succeed(&["species", "starling:pink"]);
+    let text = printed(&["species", "starling:pink"]);
     let key = text.lines().find(|line| line.starts_with("    cortex_um = 0.38 ")).unwrap();
     assert!(key.trim_end().len() > 40, "{key}");
 }

@@ -4,19 +4,16 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::program;
+use crate::common::{Ends as _, Ran, program};
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 
 /// A simulation of a moment.
 const QUICK: &[&str] = &["--instances", "3", "--wavelengths", "400:700:10"];
 
-fn run_in(folder: &Path, words: &[&str]) -> (i32, String, String) {
-    let mut command = program();
-    let cache = folder.join("cache");
-    let output = command.current_dir(folder).args(words).arg("--cache").arg(cache).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+/// Runs the program in a folder, with a cache of its own.
+fn run_in(folder: &Path, words: &[&str]) -> Ran {
+    program().current_dir(folder).args(words).arg("--cache").arg(folder.join("cache")).ran()
 }
 
 fn example(name: &str) -> String {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::common::program;
+use crate::common::{json, run};
 
 /// What `examples/micrographs/rods.png` was drawn from: rods of 110 nm, air of 55 nm, 170 nm apart in rows of 147 nm; 2 nm per px.
 const RODS: &str = "[lattice]\nperiod = 0.17\nhost = 'keratin'\ncortex = 0.1298\nrows = 4\nrow_pitch = 0.147\nrow_shift = 0.5\n\
@@ -14,18 +14,6 @@ const RODS: &str = "[lattice]\nperiod = 0.17\nhost = 'keratin'\ncortex = 0.1298\
 const LAYERS: &str = "barbule = 1\nname = 'truth'\ngenerator = 'multilayer'\n[parameters]\nwidth_um = 20.0\ncore = 'keratin'\nlower = 'none'\n\
     layers = [{ medium = 'keratin', thickness_um = 0.2 }, { medium = 'melanin', thickness_um = 0.12 },\n\
     { medium = 'keratin', thickness_um = 0.15 }, { medium = 'melanin', thickness_um = 0.09 }]\n";
-
-fn run(words: &[&str]) -> (i32, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-fn json(words: &[&str]) -> Value {
-    let (code, text, message) = run(words);
-    assert_eq!(code, 0, "{words:?}: {message}");
-    serde_json::from_str(&text).unwrap()
-}
 
 fn micrograph(name: &str) -> String {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/micrographs");

@@ -2,13 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::common::program;
-
-fn command(words: &[&str]) -> (bool, String, String) {
-    let output = program().args(words).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.success(), text(output.stdout), text(output.stderr))
-}
+use crate::common::run;
 
 /// A flat film as a file: its name, and how wide and deep it is, µm.
 fn write_film(path: &str, width_um: f64, depth_um: f64) {
@@ -35,8 +29,8 @@ fn a_flat_film_is_the_same_by_both() {
     let film = path("film.json");
     let words =
         ["validate", &film, "--full-wave", "--wavelengths", "400:694:24.5", "--phi", "30,0", "-o", &out];
-    let (done, table, said) = command(&words);
-    assert!(done, "{said}");
+    let (code, table, said) = run(&words);
+    assert_eq!(code, 0, "{said}");
     assert!(table.contains("power error") && said.contains("unknowns"), "{table}{said}");
     assert!(table.contains("5 µm wide, ends open, 13 wavelengths") && table.contains("-10 to 10"), "{table}");
     let numbers = numbers_in(&out);
@@ -58,8 +52,8 @@ fn a_flat_film_is_the_same_by_both() {
     let lines = |name: &str| std::fs::read_to_string(format!("{out}/{name}")).unwrap().lines().count();
     assert_eq!(lines("numbers.csv"), 1 + 2 * 13);
     assert_eq!((lines("patterns.csv") - 1) % (2 * 13), 0);
-    let (done, _, said) = command(&[&words[..], &["--ensemble", "2"]].concat());
-    assert!(!done && said.contains("has instances 0 to 0, so there is no instance 1"), "{said}");
+    let (code, _, said) = run(&[&words[..], &["--ensemble", "2"]].concat());
+    assert!(code != 0 && said.contains("has instances 0 to 0, so there is no instance 1"), "{said}");
 }
 
 /// Several individuals are compared one by one: what is printed of them are means of what is printed of each, and each is what it is
@@ -81,8 +75,8 @@ fn several_individuals_are_means_and_spreads_of_each() {
         "0",
     ];
     let run = |out: &str, more: &[&str]| -> (Value, String) {
-        let (done, table, said) = command(&[&asked[..], &["-o", out], more].concat());
-        assert!(done, "{said}");
+        let (code, table, said) = run(&[&asked[..], &["-o", out], more].concat());
+        assert_eq!(code, 0, "{said}");
         assert!(
             table.contains("no colours") && !std::path::Path::new(out).join("colours.svg").exists(),
             "{table}"
@@ -127,8 +121,8 @@ fn layers_that_air_parts_end_freely_or_in_walls() {
         let more = ["--phi", "0", "--elements", "6", "--memory", "250M", "--ends", ends, "-o"];
         [&asked[..], &more].concat()
     };
-    let (done, table, said) = command(&[&words("open")[..], &[&out]].concat());
-    assert!(done && table.contains("ends open"), "{table}{said}");
+    let (code, table, said) = run(&[&words("open")[..], &[&out]].concat());
+    assert!(code == 0 && table.contains("ends open"), "{table}{said}");
     let numbers = numbers_in(&out);
     let changes = numbers["changes"].to_string();
     assert!(
@@ -137,8 +131,8 @@ fn layers_that_air_parts_end_freely_or_in_walls() {
     );
     let case = &numbers["incidences"][0]["wavelengths"][0];
     assert!(case["power_error"].as_f64().unwrap().abs() < 0.15, "{case}");
-    let (done, _, said) = command(&[&words("closed")[..], &[&out]].concat());
-    assert!(!done && said.contains("this comparison needs"), "{said}");
+    let (code, _, said) = run(&[&words("closed")[..], &[&out]].concat());
+    assert!(code != 0 && said.contains("this comparison needs"), "{said}");
 }
 
 /// Numbers without what made them and how long it took.
@@ -167,8 +161,8 @@ fn what_was_compared_before_is_taken_from_the_folder() {
     let run = |section: &str, nm: &str, out: &str| -> (Value, String) {
         let words =
             ["validate", &path(section), "--full-wave", "--wavelengths", nm, "--phi", "0", "-o", &path(out)];
-        let (done, _, said) = command(&words);
-        assert!(done, "{said}");
+        let (code, _, said) = run(&words);
+        assert_eq!(code, 0, "{said}");
         let numbers = std::fs::read(format!("{}/numbers.json", path(out))).unwrap();
         (serde_json::from_slice(&numbers).unwrap(), said)
     };
@@ -231,8 +225,8 @@ fn what_cannot_be_compared_is_refused_and_nothing_is_written() {
         ),
     ];
     for (words, expected) in cases {
-        let (done, _, said) = command(&[words, &["-o", &out]].concat());
-        assert!(!done && said.contains(expected), "{words:?}: {said}");
+        let (code, _, said) = run(&[words, &["-o", &out]].concat());
+        assert!(code != 0 && said.contains(expected), "{words:?}: {said}");
         assert!(!std::path::Path::new(&out).exists());
     }
 }
@@ -245,9 +239,9 @@ fn segments_without_roughness_are_what_invariant_barbules_are() {
     let numbers = |name: &str, more: &[&str]| -> Value {
         let out = folder.path().join(name).to_string_lossy().into_owned();
         let asked = ["validate", "starling", "--three-d", "--instances", "2", "--wavelengths", "600"];
-        let (done, table, said) =
-            command(&[&asked[..], &["--width", "8", "--length", "16", "-o", &out], more].concat());
-        assert!(done, "{said}");
+        let (code, table, said) =
+            run(&[&asked[..], &["--width", "8", "--length", "16", "-o", &out], more].concat());
+        assert_eq!(code, 0, "{said}");
         assert!(table.contains("2.5D") && said.contains("6 far fields of segments"), "{table}{said}");
         for file in ["hemispheres.svg", "across-0-30.svg", "along-30-30.svg"] {
             assert!(std::fs::read_to_string(format!("{out}/{file}")).unwrap().starts_with("<svg"), "{file}");
@@ -259,8 +253,8 @@ fn segments_without_roughness_are_what_invariant_barbules_are() {
     };
     let (smooth, rough) = (numbers("smooth", &["--invariant"]), numbers("rough", &[]));
     assert_eq!(numbers("smooth", &["--invariant"])["directions"], smooth["directions"]);
-    let (kept, _, said) = command(
-        &[
+    let (code, _, said) =
+        run(&[
             &[
                 "validate",
                 "starling",
@@ -274,9 +268,8 @@ fn segments_without_roughness_are_what_invariant_barbules_are() {
             ][..],
             &["--length", "16", "--invariant", "-o", &folder.path().join("smooth").to_string_lossy()],
         ]
-        .concat(),
-    );
-    assert!(kept && said.contains("6 of 6 far fields are there from before"), "{said}");
+        .concat());
+    assert!(code == 0 && said.contains("6 of 6 far fields are there from before"), "{said}");
     for direction in 0..3 {
         let of = |key: &str| value(&smooth, direction, key);
         assert!(of("/power_error").abs() < 0.01, "{}", of("/power_error"));

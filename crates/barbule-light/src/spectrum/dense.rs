@@ -130,6 +130,12 @@ impl DenseSpectrum {
     pub fn scaled(&self, factor: f64) -> Self {
         Self { values: Arc::new(self.values.map(|v| v * factor)) }
     }
+
+    /// The product with another at each nm.
+    #[must_use]
+    pub fn times(&self, other: &Self) -> Self {
+        Self { values: Arc::new(std::array::from_fn(|i| self.values[i] * other.values[i])) }
+    }
 }
 
 #[cfg(test)]
@@ -145,6 +151,7 @@ mod tests {
         for nm in [200.0, 300.0, 300.5, 555.125, 829.5, 830.0, 900.0] {
             assert_eq!(spectrum.at_each(Lambdas::splat(nm)), [spectrum.at(nm); WAVES]);
         }
+        assert_eq!(spectrum.times(&spectrum).at(400.0), 160_000.0);
         assert_eq!((spectrum.values().len(), spectrum.scaled(2.0).at(LONGEST_NM)), (VALUES, 1660.0));
     }
 }

@@ -67,7 +67,7 @@ pub struct Spread {
 }
 
 /// A peak further from the mean curve's, in ln λ, is of another order.
-const SAME_PEAK: f64 = 0.15;
+pub const SAME_PEAK: f64 = 0.15;
 
 impl Spread {
     /// Over individuals, of each the peak that is nearest to `peak`, the mean curve's; none of fewer than two.

@@ -2,10 +2,10 @@
 
 use crate::error::shortened;
 use crate::spectrum::Spectrum;
-use crate::spectrum::dense::{LONGEST_NM, SHORTEST_NM, VALUES};
+use crate::spectrum::dense::{DenseSpectrum, LONGEST_NM, SHORTEST_NM};
 use crate::{Error, Result};
 
-use super::{Cone, Eye, Light};
+use super::{Eye, Light};
 
 /// The part of what each cone catches of white that must lie within a reflectance's wavelengths: nothing is invented outside.
 pub const LEAST_SEEN: f64 = 0.985;
@@ -18,7 +18,7 @@ pub struct View {
     /// In which light.
     pub light: Light,
     /// For each cone, the double ones last, its answers to the light at each nm.
-    seen: Vec<Vec<f64>>,
+    seen: Vec<DenseSpectrum>,
 }
 
 /// Quanta caught, each over those of white in the same light.
@@ -34,11 +34,11 @@ impl View {
     /// An eye in a light.
     ///
     /// # Errors
-    /// The light is not known where a cone has more than a hundredth of its sensitivity, or a cone sees nothing of it.
+    /// The light is not known where a cone has more than 1.5 % of its sensitivity, or a cone sees nothing of it.
     pub fn new(eye: Eye, light: Light) -> Result<Self> {
         let [low, high] = light.known_nm;
         for cone in eye.all_cones() {
-            let answers = cone.sensitivity.values();
+            let answers = &cone.sensitivity;
             let known = within(answers, low, high) / within(answers, SHORTEST_NM, LONGEST_NM);
             if known < LEAST_SEEN {
                 return Err(Error::input(format!(
@@ -50,7 +50,8 @@ impl View {
                 )));
             }
         }
-        let seen: Vec<Vec<f64>> = eye.all_cones().map(|cone| answers(cone, &light)).collect();
+        let seen: Vec<DenseSpectrum> =
+            eye.all_cones().map(|cone| cone.sensitivity.times(&light.quanta)).collect();
         if let Some(blind) = seen.iter().position(|answers| within(answers, SHORTEST_NM, LONGEST_NM) <= 0.0) {
             let name = eye.all_cones().nth(blind).map_or("", |cone| cone.name.as_str());
             return Err(Error::input(format!(
@@ -118,8 +119,8 @@ impl View {
         nodes.sort_by(f64::total_cmp);
         nodes.dedup();
         let reflected: Vec<f64> = nodes.iter().map(|nm| reflectance.held(*nm)).collect();
-        let caught = |answers: &Vec<f64>| {
-            let at: Vec<f64> = nodes.iter().map(|nm| linear(answers, *nm)).collect();
+        let caught = |answers: &DenseSpectrum| {
+            let at: Vec<f64> = nodes.iter().map(|nm| answers.at(*nm)).collect();
             let (mut sum, mut white) = (0.0, 0.0);
             for i in 1..nodes.len() {
                 let half = 0.5 * (nodes[i] - nodes[i - 1]);
@@ -134,20 +135,8 @@ impl View {
     }
 }
 
-/// Answers of a cone to a light at each nm.
-fn answers(cone: &Cone, light: &Light) -> Vec<f64> {
-    cone.sensitivity.values().iter().zip(light.quanta.values()).map(|(s, quanta)| s * quanta).collect()
-}
-
-/// A value between those at whole nm.
-fn linear(values: &[f64], nm: f64) -> f64 {
-    let at = (nm - SHORTEST_NM).clamp(0.0, (VALUES - 1) as f64);
-    let low = (at as usize).min(VALUES - 2);
-    values[low] + (values[low + 1] - values[low]) * (at - low as f64)
-}
-
-/// Integral from `low` to `high`, nm, of values at whole nm that are linear between.
-fn within(values: &[f64], low: f64, high: f64) -> f64 {
+/// Integral from `low` to `high`, nm, of what is linear between whole nm.
+fn within(spectrum: &DenseSpectrum, low: f64, high: f64) -> f64 {
     let (low, high) = (low.max(SHORTEST_NM), high.min(LONGEST_NM));
     if low >= high {
         return 0.0;
@@ -156,7 +145,7 @@ fn within(values: &[f64], low: f64, high: f64) -> f64 {
     let mut from = low;
     while from < high {
         let to = (from.floor() + 1.0).min(high);
-        sum += 0.5 * (to - from) * (linear(values, from) + linear(values, to));
+        sum += 0.5 * (to - from) * (spectrum.at(from) + spectrum.at(to));
         from = to;
     }
     sum

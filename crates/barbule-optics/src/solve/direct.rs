@@ -28,7 +28,7 @@ type Wave = (Field, Field);
 /// `element_um`: what [`surface::far_field`](super::surface::far_field) computes too.
 ///
 /// # Errors
-/// As [`cast`] and [`Section::check_lit_through_air`], a medium's table does not reach the wavelength, or a crystal cannot
+/// As [`cast`] and [`Section::check_lit_through_air`], [`Section::check_nothing_above_top`], a medium's table does not reach the wavelength, or a crystal cannot
 /// be solved.
 pub fn far_field(
     section: &Section,
@@ -93,6 +93,7 @@ pub fn far_field_observed(
         });
     }
     section.check_lit_through_air()?;
+    section.check_nothing_above_top()?;
     let lit = illuminate(section, element_um, illumination, shadows, progress)?;
     radiate(&lit, illumination, azimuths, progress)
 }

@@ -5,7 +5,7 @@ mod hulls;
 use hulls::Hulls;
 
 use super::columns::{Columns, Palette, PaletteMixture, SlotMixture};
-use super::section::{Medium, Polyline, Section, Substance};
+use super::section::{Loop, Medium, Polyline, Section, Substance};
 use super::smooth::averaged;
 use crate::error::shortened;
 use crate::material::Material;
@@ -241,9 +241,14 @@ struct Limits {
 
 impl Limits {
     fn new(section: &Section) -> Self {
-        let heights = section.boundaries.iter().flat_map(|boundary| &boundary.z_um);
+        let boundaries = section.boundaries.iter().flat_map(|boundary| &boundary.z_um);
+        let loops = section.inclusions.iter().flat_map(|inclusion| match &inclusion.outline {
+            Loop::Polygon(corners) => corners.z_um.clone(),
+            Loop::Circle { z_um, radius_um, .. } => vec![z_um - radius_um, z_um + radius_um],
+        });
+        let heights = boundaries.copied().chain(loops);
         let (low, high) =
-            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &z| (low.min(z), high.max(z)));
+            heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
         let xs = &section.top().x_um;
         Self { longest: 2.0 * (high - low), left: xs[0], right: xs[xs.len() - 1] }
     }

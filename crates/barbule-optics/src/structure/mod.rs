@@ -50,6 +50,9 @@ use serde_json::{Map, Value, json};
 
 use crate::{Error, Result, identity};
 
+/// Individuals that one campaign or mean is made of, at most.
+pub const MOST_INSTANCES: usize = 10_000;
+
 /// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
 const CURVED_SLOPE: f64 = 0.3;
 

@@ -203,6 +203,47 @@ pub struct Parts {
     pub source: String,
 }
 
+/// How far the middle of a top may lie from x = 0, as a part of its width: windows and beams stand at x = 0.
+const OFF_CENTRE: f64 = 1e-2;
+
+impl Parts {
+    /// Moved along x so that the middle of the top is at 0, unless it is nearly there.
+    ///
+    /// # Errors
+    /// A crystal under such a top: its place is told along the top from x = 0.
+    fn centred(mut self) -> Result<Self> {
+        let Some(Polyline { x_um, .. }) = self.boundaries.first() else { return Ok(self) };
+        let (left, right) = (x_um[0], x_um[x_um.len() - 1]);
+        let middle = 0.5 * (left + right);
+        if middle.abs() <= OFF_CENTRE * (right - left) {
+            return Ok(self);
+        }
+        if self.crystal.is_some() {
+            return refuse(format!(
+                "boundaries[0] runs from x = {left} to {right} µm; over a lattice move it so that its middle is at x = 0"
+            ));
+        }
+        let moved = |xs: &mut Vec<f64>| xs.iter_mut().for_each(|x| *x -= middle);
+        let moved_loop = |one: &mut Loop| match one {
+            Loop::Polygon(corners) => moved(&mut corners.x_um),
+            Loop::Circle { x_um, .. } => *x_um -= middle,
+        };
+        self.boundaries.iter_mut().for_each(|boundary| moved(&mut boundary.x_um));
+        for inclusion in &mut self.inclusions {
+            moved_loop(&mut inclusion.outline);
+            inclusion.holes.iter_mut().for_each(moved_loop);
+        }
+        let media =
+            self.media.iter_mut().chain(self.inclusions.iter_mut().map(|inclusion| &mut inclusion.medium));
+        for medium in media {
+            if let Medium::Mixture { x_um, .. } = medium {
+                moved(x_um);
+            }
+        }
+        Ok(self)
+    }
+}
+
 /// A barbule's cross section that has passed every check.
 ///
 /// The medium of a point is that of the innermost inclusion that holds it, else `media[k]` with k the number of
@@ -242,6 +283,7 @@ impl Section {
     pub fn new(parts: Parts, library: Library) -> Result<Self> {
         let nesting = check::check(&parts, &library)?;
         crystal::check(&parts)?;
+        let parts = parts.centred()?;
         let width_um = match parts.width_um {
             Some(width) => width,
             None => check::bounding_width(&parts.inclusions),
@@ -337,6 +379,27 @@ impl Section {
         refuse(format!(
             "the light comes through {above}, {found}, but barbules are simulated in air, of index 1; let the first medium be the built-in air"
         ))
+    }
+
+    /// Refuses inclusions above the top for simulations that take the top for what light meets first.
+    ///
+    /// # Errors
+    /// The first inclusion that lies above the top.
+    pub fn check_nothing_above_top(&self) -> Result<()> {
+        let is_above = |inclusion: &Inclusion| {
+            // No loop crosses a boundary: one point of it decides.
+            let (x_um, z_um) = match &inclusion.outline {
+                Loop::Polygon(corners) => (corners.x_um[0], corners.z_um[0]),
+                Loop::Circle { x_um, z_um, .. } => (*x_um, *z_um),
+            };
+            self.boundaries.first().is_some_and(|top| z_um > top.height(x_um))
+        };
+        match self.inclusions.iter().position(is_above) {
+            None => Ok(()),
+            Some(index) => refuse(format!(
+                "inclusions[{index}] lies above the top, where only full waves see it; use these, leave it out, or draw the top above it"
+            )),
+        }
     }
 
     /// Every medium: between boundaries, then of the inclusions; the rods of a crystal have theirs in its lattice.

@@ -180,8 +180,8 @@ def fit_structure(
         if column is not None:
             raise InputError("'column' is of files; leave it out beside arrays")
     else:
-        several = isinstance(measured, Iterable) and not isinstance(measured, (str, PathLike))
-        files = [text_of("measured", file) for file in (measured if several else [measured])]
+        several = measured if isinstance(measured, Iterable) and not isinstance(measured, (str, PathLike)) else [measured]
+        files = [text_of("measured", file) for file in several]
         if angles_deg is not None:
             raise InputError("'angles_deg' is of arrays; files say theirs, as in 'back.csv@40'")
     with watched(progress) as watch:

@@ -143,7 +143,7 @@ class Material:
     def albedo(
         self, wavelength_nm: ArrayLike, wi: ArrayLike, *, threads: int | None = None
     ) -> NDArray[np.float64]:
-        """What the mean reflects of light from `wi` in all, ``[...]``."""
+        """What the mean reflects of light from `wi` in all, ``[...]``, as fitted: `reciprocity` changes values, not this."""
         nm, wi_ = floats(wavelength_nm)[..., None], floats(wi)
         shape = _shape({"wavelength_nm": nm.shape[:-1], "wi": _lead(wi_, "wi", 3)})
         count = int(np.prod(shape))

@@ -16,7 +16,7 @@
 
 use std::collections::BTreeMap;
 
-use barbule_appearance::brdf::{BrdfTables, Numbers, Reciprocity, TablesHeader};
+use barbule_appearance::brdf::{BrdfTables, NOISE_SLICE, Numbers, Reciprocity, TablesHeader};
 use barbule_base::math::rng::split_mix;
 use barbule_light::scattering::far_field::Polarization;
 use barbule_light::scattering::lobe::FitKind;
@@ -30,8 +30,6 @@ use crate::{Error, Result};
 pub(super) const WIDTH: u32 = 2048;
 /// Texels of a node.
 const NODE_TEXELS: usize = 5;
-/// From one base of the noise to the next, over 1/h of the height phase: `docs/formats/brdf-tables.md`, step 7.
-const SLICE: f64 = 1.5175;
 
 /// `FeatherHeader` of the shader.
 #[repr(C)]
@@ -214,7 +212,7 @@ fn packed(header: &TablesHeader, sections: Sections, gaussians: usize, loss: f32
             polarization,
         ],
         spreads: [header.sigma, h1, h2, h3].map(spread),
-        noise: [(header.spectral.height_um / SLICE) as f32, loss, gaussians as f32, 0.0],
+        noise: [(header.spectral.height_um / NOISE_SLICE) as f32, loss, gaussians as f32, 0.0],
         name: [seed as u32, (seed >> 32) as u32, achromatic, 0],
     }
 }

@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use barbule::error::shortened;
+use barbule::fields::NumbersByName;
 use barbule::io::read_text;
 use barbule::open::{self, Opening};
 use barbule::progress::Progress;
@@ -32,7 +33,7 @@ pub use command::{Command, Figure};
 pub use export::Export;
 pub use history::History;
 pub use picture::{NamedStructure, NeededFile};
-pub use saved::{FORMAT, Kept, Moved, Saved, named_from_anywhere};
+pub use saved::{FORMAT, Kept, Saved, named_from_anywhere};
 pub use slider::{Slider, spoken};
 pub use species::SpeciesSizes;
 pub use stack::StackSizes;
@@ -125,7 +126,7 @@ impl State {
     pub fn saved(&self) -> Saved {
         let kept = |subject: &Subject| Kept {
             open: named_from_anywhere(subject.text()),
-            sizes: Moved(subject.moved()),
+            sizes: NumbersByName(subject.moved()),
         };
         Saved {
             version: FORMAT,

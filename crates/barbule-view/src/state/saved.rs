@@ -1,13 +1,8 @@
 //! What a viewer remembers in a file: what is open, what was moved in it, how it is looked at, and what is pinned beside it.
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
-use barbule::fields::{
-    FieldValue, Kind, Map, Record, Several, Text, Value, in_toml, number, parse_toml, path_of, within,
-    wrong_kind,
-};
-use barbule::identity::Hasher;
+use barbule::fields::{NumbersByName, Record, Several, Text, in_toml, parse_toml, within};
 use barbule::structure::Side;
 use barbule::{Error, Result, open};
 use barbule_base::record;
@@ -21,41 +16,6 @@ pub const FORMAT: usize = 1;
 /// The key of the version, which tells such files from others.
 const VERSION: &str = "barbule_view";
 
-/// Sizes that were moved, by the keys of their sliders.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Moved(pub BTreeMap<String, f64>);
-
-impl FieldValue for Moved {
-    type Limits = ();
-
-    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
-        let Value::Object(table) = value else { return Err(wrong_kind(value, path, "a table of numbers")) };
-        let one = |(key, value): (&String, &Value)| Ok((key.clone(), number(value, &path_of(path, key))?));
-        table.iter().map(one).collect::<Result<_>>().map(Self)
-    }
-
-    fn to_value(&self, (): &()) -> Option<Value> {
-        let table: Map<String, Value> =
-            self.0.iter().map(|(key, value)| (key.clone(), (*value).into())).collect();
-        (!table.is_empty()).then_some(Value::Object(table))
-    }
-
-    fn check_value(&self, _: &str, (): &()) -> Result<()> {
-        Ok(())
-    }
-
-    fn feed_value(&self, key: &str, to: &mut Hasher) {
-        to.count(key, self.0.len() as u64);
-        for (name, value) in &self.0 {
-            to.text("key", name).number("value", *value);
-        }
-    }
-
-    fn kind((): &()) -> Kind {
-        Kind::Named(Box::new(Kind::Number { low: -1e9, high: 1e9, whole: false }))
-    }
-}
-
 record! {
     /// Something with what was moved in it.
     #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +23,7 @@ record! {
         /// What it is, as it is typed.
         open: String = "open", Text("what is looked at, as in starling:green");
         /// The sizes that were moved.
-        sizes: Moved = "sizes", (), or Moved::default();
+        sizes: NumbersByName = "sizes", (), or NumbersByName::default();
     }
 }
 
@@ -156,7 +116,7 @@ mod tests {
     use crate::state::view::{Mode, Seer};
 
     fn saved() -> Saved {
-        let sizes = Moved(BTreeMap::from([
+        let sizes = NumbersByName(std::collections::BTreeMap::from([
             ("cortex_um".to_owned(), 0.25),
             ("layers[1].thickness_um".to_owned(), 0.12),
         ]));
@@ -165,7 +125,7 @@ mod tests {
             version: FORMAT,
             subject: Kept { open: "starling:pink".into(), sizes },
             measured: vec!["a.csv".into()],
-            pinned: Some(Kept { open: "air/keratin:300/air".into(), sizes: Moved::default() }),
+            pinned: Some(Kept { open: "air/keratin:300/air".into(), sizes: NumbersByName::default() }),
             view,
         }
     }

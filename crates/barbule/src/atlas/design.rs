@@ -1,10 +1,10 @@
 //! Which cells an atlas has: a full grid, or a Latin hypercube.
 
 use super::plan::{Plan, Vary};
-use super::steps::rounded;
 use super::subject::{Size, Subject};
 use crate::io::sweep::MOST_CELLS;
 use crate::math::rng::Stream;
+use crate::math::steps::rounded;
 use crate::{Error, Result};
 
 /// The name under which the random streams of samples are drawn.

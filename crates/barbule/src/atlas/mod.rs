@@ -50,7 +50,7 @@ pub use foretell::{Forecast, foretell, foretell_by, memory_bytes};
 pub use plan::{Impossible, Materials, Patch, Plan, Plane, Vary};
 pub use run::{Outcome, run};
 pub use schedule::{Faults, Schedule};
-pub use steps::{Counted, Fixed, Steps};
+pub use steps::{Counted, Steps};
 
 use self::contents::Contents;
 use self::design::Design;

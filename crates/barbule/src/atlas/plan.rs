@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use barbule_base::{record, words};
 
-use super::steps::{Fixed, Steps};
+use super::steps::Steps;
 use crate::error::{did_you_mean, shortened};
-use crate::fields::{Key, Record as _, Several, Text, at_line, parse_toml, up_to, within};
+use crate::fields::{Key, NumbersByName, Record as _, Several, Text, at_line, parse_toml, up_to, within};
 use crate::io::read_text;
 use crate::open::is_built_in;
 use crate::{Error, Result};
@@ -62,7 +62,7 @@ record! {
         /// Its structure; unless given that of the plan.
         structure: Option<String> = "structure", STRUCTURE;
         /// Sizes that it has in all cells.
-        set: Fixed = "set", (), or Fixed::default();
+        set: NumbersByName = "set", (), or NumbersByName::default();
     }
 }
 
@@ -198,7 +198,7 @@ impl Plan {
     #[must_use]
     pub fn all_patches(&self) -> Vec<Patch> {
         if self.patches.is_empty() {
-            return vec![Patch { name: String::new(), structure: None, set: Fixed::default() }];
+            return vec![Patch { name: String::new(), structure: None, set: NumbersByName::default() }];
         }
         self.patches.clone()
     }

@@ -1,22 +1,15 @@
 //! Lists, steps and spans of numbers as plans write them.
 
-use std::collections::BTreeMap;
-
 use barbule_base::record;
 
 use crate::error::shortened;
-use crate::fields::{FieldValue, Kind, Map, Record as _, Value, list, number, path_of, within, wrong_kind};
+use crate::fields::{FieldValue, Kind, Record as _, Value, list, number, within, wrong_kind};
 use crate::identity::Hasher;
+use crate::math::steps::{decimal, stepped, steps_between};
 use crate::{Error, Result};
 
 /// Values along one axis, at most.
 const MOST_STEPS: usize = 100_000;
-
-/// Half a millionth of a step forgives decimal steps such as 0.1.
-const SLACK: f64 = 1e-6;
-
-/// Digits after the first that steps are rounded to, as people could have meant them, so that 0.1 + 2·0.1 is 0.3.
-const DIGITS: usize = 12;
 
 record! {
     /// So many values from one end to the other, both included.
@@ -71,25 +64,22 @@ impl Steps {
             Self::Span([low, high]) => {
                 return refuse(format!(
                     "is {low}:{high}, which says no values; give a step, as in \"{low}:{high}:{}\", or draw `samples`",
-                    rounded(0.1 * (high - low).abs(), DIGITS)
+                    decimal(0.1 * (high - low).abs())
                 ));
             }
             Self::Stepped([low, high, step]) => {
-                let count = (high - low) / step;
-                if !(count >= 0.0 && *step != 0.0) {
+                let Some(count) = steps_between(*low, *high, *step) else {
                     return refuse(format!("has steps of {step}, which do not lead from {low} to {high}"));
-                }
+                };
                 if count >= MOST_STEPS as f64 {
                     return refuse(format!("has over {MOST_STEPS} values; give a larger step"));
                 }
-                (0..=(count + SLACK).floor() as usize)
-                    .map(|i| rounded(low + i as f64 * step, DIGITS))
-                    .collect()
+                stepped(*low, *step, count).collect()
             }
             Self::Counted(Counted { low, count: 1, .. }) => vec![*low],
             Self::Counted(Counted { low, high, count }) => {
                 let part = |i: usize| i as f64 / (count - 1) as f64;
-                (0..*count).map(|i| rounded(low + part(i) * (high - low), DIGITS)).collect()
+                (0..*count).map(|i| decimal(low + part(i) * (high - low))).collect()
             }
         };
         if values.is_empty() || values.len() > MOST_STEPS {
@@ -126,11 +116,6 @@ impl Steps {
             }
         }
     }
-}
-
-/// A number to so many digits after the first.
-pub(super) fn rounded(value: f64, digits: usize) -> f64 {
-    format!("{value:.digits$e}").parse().unwrap_or(value)
 }
 
 impl FieldValue for Steps {
@@ -185,41 +170,6 @@ impl FieldValue for Steps {
             Kind::Text("\"low:high:step\", or \"low:high\" where samples draw"),
             Kind::Table(Counted::keys()),
         ])
-    }
-}
-
-/// Sizes that are fixed, by their keys.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Fixed(pub BTreeMap<String, f64>);
-
-impl FieldValue for Fixed {
-    type Limits = ();
-
-    fn of_value(value: &Value, path: &str, (): &()) -> Result<Self> {
-        let Value::Object(table) = value else { return Err(wrong_kind(value, path, "a table of numbers")) };
-        let one = |(key, value): (&String, &Value)| Ok((key.clone(), number(value, &path_of(path, key))?));
-        table.iter().map(one).collect::<Result<_>>().map(Self)
-    }
-
-    fn to_value(&self, (): &()) -> Option<Value> {
-        let table: Map<String, Value> =
-            self.0.iter().map(|(key, value)| (key.clone(), (*value).into())).collect();
-        (!table.is_empty()).then_some(Value::Object(table))
-    }
-
-    fn check_value(&self, _: &str, (): &()) -> Result<()> {
-        Ok(())
-    }
-
-    fn feed_value(&self, key: &str, to: &mut Hasher) {
-        to.count(key, self.0.len() as u64);
-        for (name, value) in &self.0 {
-            to.text("key", name).number("value", *value);
-        }
-    }
-
-    fn kind((): &()) -> Kind {
-        Kind::Named(Box::new(Kind::Number { low: -1e9, high: 1e9, whole: false }))
     }
 }
 

@@ -7,7 +7,7 @@ use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::material::Library;
 use crate::progress::Progress;
 use crate::scattering::statistics::{Axes, Sides};
-use crate::structure::{Side, SpeciesModel, Structure};
+use crate::structure::{MOST_INSTANCES, Side, SpeciesModel, Structure};
 
 /// The species that a material was simulated from, with the generator's parameters that it records; `None` where these are
 /// missing or it was made of given sections.
@@ -65,7 +65,7 @@ impl Barbules {
         tilted: bool,
         progress: &dyn Progress,
     ) -> Result<Campaign> {
-        let recorded = self.campaign.instances.clamp(1, 10_000);
+        let recorded = self.campaign.instances.clamp(1, MOST_INSTANCES);
         let mut instances = instances.unwrap_or(recorded).max(1);
         if let Some(count) = self.structure.count().filter(|count| *count > 1) {
             instances = instances.min(count);

@@ -8,8 +8,8 @@ use crate::brdf::fit::{FitOptions, LobeForm};
 use crate::campaign::orders;
 use crate::identity::Hasher;
 use crate::io::{
-    LARGEST_INPUT, check_writable, decode_material, encode_material, hash_bytes, list_cache, make_folder,
-    read_bytes, read_orders, read_own, write_orders, write_whole,
+    HASH_DIGITS, LARGEST_INPUT, check_writable, decode_material, encode_material, hash_bytes, list_cache,
+    make_folder, read_bytes, read_orders, read_own, write_orders, write_whole,
 };
 use crate::progress::Progress;
 use crate::scattering::lobe::FitKind;
@@ -20,9 +20,6 @@ use crate::{Error, Result};
 
 /// What the file names of lower sides end in.
 const BELOW: &str = "-below";
-
-/// Digits of a hash in the name of a cached file.
-pub(super) const DIGITS: usize = 16;
 
 /// The shipped materials, and a cache of computed ones.
 #[derive(Debug, Clone, Default)]
@@ -192,7 +189,7 @@ impl Catalog {
 /// Where a cache has what a key names: the file whose name ends in the key's first digits, whatever the structure was called
 /// then; else a new one of this name.
 fn place(folder: &Path, name: &str, key: &str, extension: &str) -> PathBuf {
-    let end = format!("-{}.{extension}", &key[..DIGITS]);
+    let end = format!("-{}.{extension}", &key[..HASH_DIGITS]);
     let is_it = |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().ends_with(&end));
     let there = list_cache(folder).unwrap_or_default().into_iter().map(|file| file.path);
     let mut there = there.filter(|path| is_it(path));
@@ -350,7 +347,7 @@ mod tests {
             assert!(!names[..index].contains(one), "{index}: {one}");
         }
         let hash = |name: &str| name.rsplit_once('-').unwrap().1.to_owned();
-        assert!(names[0].starts_with("air-keratin-300-air-") && hash(&names[0]).len() == DIGITS + 8);
+        assert!(names[0].starts_with("air-keratin-300-air-") && hash(&names[0]).len() == HASH_DIGITS + 8);
         assert_eq!(hash(&names[0]), hash(&name("air/keratin:300.0/air", &usual(), &fit)));
     }
 

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use super::catalog::{DIGITS, material_key};
+use super::catalog::material_key;
 use super::{CampaignDescription, CampaignOptions, thinned};
 use crate::Result;
 use crate::brdf::fit::{FitOptions, LobeForm};
-use crate::io::{CacheFile, hash_file, list_cache, read_keyed_orders, read_material};
+use crate::io::{CacheFile, HASH_DIGITS, hash_file, list_cache, read_keyed_orders, read_material};
 use crate::scattering::lobe::FitKind;
 
 /// A file of a cache folder.
@@ -95,7 +95,7 @@ impl Cached {
         let (contents, key) = read.unwrap_or_else(|error| (Contents::Unknown(error.to_string()), None));
         let stem = file.path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         let is_ours = stem.rsplit_once('-').is_some_and(|(_, digits)| {
-            digits.len() == DIGITS && key.is_some_and(|key| key.starts_with(digits))
+            digits.len() == HASH_DIGITS && key.is_some_and(|key| key.starts_with(digits))
         });
         let hash = hash_file(&file.path).unwrap_or_default();
         Self { file, hash, contents, is_ours }

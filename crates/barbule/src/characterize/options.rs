@@ -4,9 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::catalog::{DIGITS, file_stem};
+use super::catalog::file_stem;
 use super::{CAMPAIGN_VERSION, CampaignDescription, Catalog};
 use crate::campaign::{Campaign, CampaignParameters, Demand, Keep, Resources, Results, places, sides};
+use crate::io::HASH_DIGITS;
 use crate::io::store::Store;
 use crate::progress::Progress;
 use crate::scattering::far_field::Window;
@@ -14,7 +15,7 @@ use crate::scattering::statistics::{Axes, Sides};
 use crate::solve::cost::Cost;
 use crate::solve::surface::{Barbule, CAMPAIGN_ELEMENT_UM};
 use crate::spectrum::Wavelengths;
-use crate::structure::{Structure, Symmetry};
+use crate::structure::{MOST_INSTANCES, Structure, Symmetry};
 use crate::{Error, Result, identity};
 
 /// Wavelengths that can be simulated, nm.
@@ -34,9 +35,6 @@ pub fn outside_wavelengths(nm: f64) -> Option<String> {
     };
     Some(format!("{nm} nm is outside {low} to {high} nm: {why}"))
 }
-
-/// Fields at one direction, at most.
-const MOST_INSTANCES: usize = 10_000;
 
 /// Instances of a campaign, and of a thinned one, where nobody asks for others.
 const USUAL_INSTANCES: usize = 50;
@@ -229,7 +227,7 @@ impl Plan {
     #[must_use]
     pub fn store_name(&self) -> String {
         let key = identity::hash("campaign", &self.description);
-        format!("{}-{}.zarr", file_stem(&self.structure.name()), &key[..DIGITS])
+        format!("{}-{}.zarr", file_stem(&self.structure.name()), &key[..HASH_DIGITS])
     }
 
     /// Illuminations of the whole campaign.

@@ -10,6 +10,7 @@ use crate::spectrum::colour::D65_WHITE;
 use crate::spectrum::difference::{delta_e_2000, lab};
 use crate::spectrum::look::Look;
 use crate::spectrum::peaks::Peak;
+use crate::spectrum::spread::SAME_PEAK;
 
 /// How many numbers there are.
 pub(super) const COUNT: usize = NAMES.len();
@@ -36,8 +37,6 @@ const ENOUGH: [Enough; 8] = [
     Enough::Within(0.003),
     Enough::Within(1.0),
 ];
-/// A peak further than this from the mean's, in ln λ, is of another order.
-const SAME_PEAK: f64 = 0.15;
 
 #[derive(Debug, Clone, Copy)]
 enum Enough {

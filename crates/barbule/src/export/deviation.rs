@@ -16,7 +16,7 @@ const STEP_NM: f64 = 19.5;
 
 /// Directions of the viewer: so many, up to this angle from the normal, each with so many directions of light.
 const VIEWS: usize = 512;
-const MOST_POLAR_DEG: f64 = 70.0;
+pub(super) const MOST_POLAR_DEG: f64 = 70.0;
 const LIGHTS: usize = 64;
 
 /// Colours are compared of views at these angles from the normal, seen along the barbule, across it and between, each with so many
@@ -27,7 +27,7 @@ const COLOUR_LIGHTS: usize = 2048;
 
 /// Share of directions of light that are drawn evenly over the projected hemisphere, for what another model has where the material has
 /// nothing.
-const EVEN: f64 = 0.2;
+pub(super) const EVEN: f64 = 0.2;
 
 /// How far another model is from a material: of f cosθ_o of the mean over its barbules.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -13,7 +13,8 @@ use super::{BsdfTable, Deviation, Flavour, Model, usd};
 use crate::brdf::FeatherBrdf;
 use crate::io::image::{encode_exr, write_exr};
 use crate::io::{
-    MOST_WRITTEN_BARBULES, bytes_of, check_writable, encode_bsdf, write_together, write_usd, write_whole,
+    FEW_BARBULES, MOST_WRITTEN_BARBULES, WRITTEN_IDENTITY, bytes_of, check_writable, encode_bsdf,
+    write_together, write_usd, write_whole,
 };
 use crate::progress::Progress;
 use crate::scene::description::{Named, ReadyScene};
@@ -22,14 +23,8 @@ use crate::spectrum::Spectrum;
 use crate::stack::Stack;
 use crate::{DVec3, Error, Result};
 
-/// All draws of a feather are of one individual, as those of `io::write_feather` are.
-const IDENTITY: u64 = 1;
-
 /// Barbules in the table of a shader.
 const BARBULES: usize = 64;
-
-/// Feathers with more barbules than this are written without them.
-const FEW_BARBULES: usize = 200_000;
 
 barbule_base::words! {
     /// What other programs read.
@@ -381,11 +376,11 @@ fn worn(scene: &ReadyScene) -> Option<(Arc<FeatherBrdf>, String, String)> {
 /// A whole feather, with its barbules where they are few.
 fn grown(feather: &Feather, seed: u64, progress: &dyn Progress) -> Result<Grown> {
     let whole = VaneDisc::WHOLE;
-    let (_, barbs) = feather.barbs_within(whole, (seed, IDENTITY), progress)?;
+    let (_, barbs) = feather.barbs_within(whole, (seed, WRITTEN_IDENTITY), progress)?;
     let barbules: usize = barbs.iter().map(|barb| feather.barbule_count(barb)).sum();
     if barbules <= FEW_BARBULES.min(MOST_WRITTEN_BARBULES) {
-        return feather.grow_watched(whole, Level::Barbules, None, (seed, IDENTITY), progress);
+        return feather.grow_watched(whole, Level::Barbules, None, (seed, WRITTEN_IDENTITY), progress);
     }
     progress.note(&format!("barbs only: with its {barbules} barbules the file would be large"));
-    feather.grow_barbs(whole, seed, IDENTITY, progress)
+    feather.grow_barbs(whole, seed, WRITTEN_IDENTITY, progress)
 }

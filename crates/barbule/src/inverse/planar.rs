@@ -6,6 +6,7 @@ use super::{Model, Parameter};
 use crate::film::gradient::{gradient_at, of_power};
 use crate::film::{Polarization, reflect};
 use crate::material::Library;
+use crate::math::golden::GoldenPoints;
 use crate::math::normal::quantile;
 use crate::stack::{CLIP, Stack};
 use crate::{Complex64, Result};
@@ -141,11 +142,9 @@ impl Planar {
                 weighed.into_iter().map(|(weight, u)| (weight / whole, of(&|_| u))).collect()
             }
             [..] => {
-                let axes = spreading.len() as f64;
-                let golden = (0..60).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (axes + 1.0)));
+                let points = GoldenPoints::new(spreading.len());
                 let deviate = |k: usize, axis: usize| {
-                    let along = (0.5 + k as f64 * golden.powi(-(axis as i32 + 1))).fract();
-                    quantile(along.clamp(1e-6, 1.0 - 1e-6)).clamp(-CLIP, CLIP)
+                    quantile(points.at(k, axis).clamp(1e-6, 1.0 - 1e-6)).clamp(-CLIP, CLIP)
                 };
                 let weight = 1.0 / INDIVIDUALS as f64;
                 (0..INDIVIDUALS).map(|k| (weight, of(&|axis| deviate(k, axis)))).collect()

@@ -6,6 +6,7 @@ use super::Parameter;
 use super::problem::{Left, Problem};
 use super::small::{cholesky, solve};
 use crate::Result;
+use crate::math::golden::GoldenPoints;
 
 /// Steps of one descent, at most.
 pub(super) const MOST_STEPS: usize = 60;
@@ -74,18 +75,14 @@ fn along_a_line(problem: &Problem, parameter: &Parameter, step: f64) -> Result<V
     Ok(places.into_iter().map(|k| vec![at(k)]).collect())
 }
 
-/// The best points of a low-discrepancy sequence (the generalized golden ratio: a Kronecker sequence of the powers of 1/g,
-/// g^(d+1) = g + 1) that lie apart from each other.
+/// The best points of a low-discrepancy sequence that lie apart from each other.
 fn scattered(problem: &Problem, parameters: &[Parameter], steps: &[f64]) -> Result<Vec<Vec<f64>>> {
-    let golden = (0..60).fold(2.0_f64, |g, _| (1.0 + g).powf(1.0 / (parameters.len() as f64 + 1.0)));
+    let sequence = GoldenPoints::new(parameters.len());
     let cells: f64 =
         parameters.iter().zip(steps).map(|(p, step)| ((p.high - p.low) / step).max(1.0)).product();
     let points = (cells as usize).clamp(POINTS[0], POINTS[1]);
     let at = |k: usize| -> Vec<f64> {
-        let place = |(axis, p): (usize, &Parameter)| {
-            let along = (0.5 + k as f64 * golden.powi(-(axis as i32 + 1))).fract();
-            p.low + (p.high - p.low) * along
-        };
+        let place = |(axis, p): (usize, &Parameter)| p.low + (p.high - p.low) * sequence.at(k, axis);
         parameters.iter().enumerate().map(place).collect()
     };
     let mut tried: Vec<(f64, usize)> =

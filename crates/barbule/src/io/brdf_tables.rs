@@ -14,7 +14,7 @@ use super::whole::read_at_most;
 use super::write_whole;
 use crate::brdf::{
     BrdfTables, MOST_HALOS, Numbers, Reciprocity, Spectral, TABLES_VERSION, TableArray, TablesHeader,
-    container_checksum,
+    checksum_of,
 };
 use crate::error::shortened;
 use crate::scattering::far_field::Polarization;
@@ -88,7 +88,7 @@ pub fn encode_tables(tables: &BrdfTables) -> Result<Vec<u8>> {
         .collect();
     let mut description = description_of(&tables.header());
     let bytes = arrays.iter().map(|(name, (.., bytes))| (name.as_str(), bytes.as_slice()));
-    description.checksum = container_checksum(&json(&description)?, bytes);
+    description.checksum = checksum_of(&description, bytes)?;
     let refuse =
         |e: safetensors::SafeTensorError| Error::machine(format!("the tables cannot be stored: {e}"));
     let views = arrays
@@ -124,8 +124,7 @@ pub fn decode_tables(bytes: &[u8]) -> Result<BrdfTables> {
     let mut views = container.tensors();
     views.sort_by(|a, b| a.0.cmp(&b.0));
     let bare = Description { checksum: String::new(), ..description.clone() };
-    let found =
-        container_checksum(&json(&bare)?, views.iter().map(|(name, view)| (name.as_str(), view.data())));
+    let found = checksum_of(&bare, views.iter().map(|(name, view)| (name.as_str(), view.data())))?;
     if found != description.checksum {
         return Err(Error::input(
             "the checksum does not match the contents: the file was damaged or edited; make it again",
@@ -295,7 +294,7 @@ mod tests {
         description.checksum = String::new();
         edit(&mut description);
         let arrays = views.iter().map(|(name, view)| (name.as_str(), view.data()));
-        description.checksum = container_checksum(&json(&description).unwrap(), arrays);
+        description.checksum = checksum_of(&description, arrays).unwrap();
         let entries = HashMap::from([(ENTRY.to_owned(), json(&description).unwrap())]);
         safetensors::serialize(views, Some(entries)).unwrap()
     }

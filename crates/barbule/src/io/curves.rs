@@ -34,8 +34,8 @@ pub fn foretell_curves(head: &[u8], length: u64) -> f64 {
 /// # Errors
 /// As [`read_curves`].
 pub fn decode_curves(name: &str, bytes: &[u8], basis: Basis) -> Result<Vec<ControlCurve>> {
-    let text =
-        std::str::from_utf8(bytes).map_err(|_| Error::input("is not UTF-8 text").in_file(Path::new(name)))?;
+    let text = std::str::from_utf8(bytes)
+        .map_err(|_| Error::input("is not UTF-8 text; save it as UTF-8").in_file(Path::new(name)))?;
     parse_curves(name, text, basis).map_err(|error| error.of_file(Path::new(name)))
 }
 

@@ -15,6 +15,12 @@ use parts::Part;
 /// Most barbules of a file: so many ribbons have 5 million corners, the most that a mesh is read with.
 pub const MOST_WRITTEN_BARBULES: usize = 350_000;
 
+/// Feathers with more barbules than this are written without them unless asked otherwise.
+pub const FEW_BARBULES: usize = 200_000;
+
+/// All draws of a feather that is written are of one individual; the seed gives another.
+pub const WRITTEN_IDENTITY: u64 = 1;
+
 /// What a feather is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FeatherFormat {

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::whole::read_at_most;
 use super::write_whole;
-use crate::brdf::container_checksum;
+use crate::brdf::checksum_of;
 use crate::scattering::grating::{
     Basis, Coherence, Normalization, Obliquity, Orders, Place, Powers, Setup, TableGrid, Tables,
 };
@@ -128,7 +128,7 @@ fn encode(grating: &GratingFile) -> Result<Vec<u8>> {
         ("tables", (vec![size, size, tables.basis().count(), 3], bytes(tables.values()))),
     ]);
     description.checksum =
-        checksum(&description, tensors.iter().map(|(name, (_, bytes))| (*name, bytes.as_slice())))?;
+        checksum_of(&description, tensors.iter().map(|(name, (_, bytes))| (*name, bytes.as_slice())))?;
     let json =
         serde_json::to_string(&description).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
     let refuse =
@@ -173,8 +173,8 @@ pub fn decode_grating(bytes: &[u8]) -> Result<GratingFile> {
         Ok((name, view))
     };
     let [tables, powers] = [tensor("tables")?, tensor("powers")?];
-    let found =
-        checksum(&description, [(powers.0, powers.1.data()), (tables.0, tables.1.data())].into_iter())?;
+    let bare = Description { checksum: String::new(), ..description.clone() };
+    let found = checksum_of(&bare, [(powers.0, powers.1.data()), (tables.0, tables.1.data())].into_iter())?;
     if found != description.checksum {
         return Err(Error::input(
             "the checksum does not match the contents: the file was damaged or edited; make it again",
@@ -221,15 +221,6 @@ fn setup_of(description: &Description) -> Result<Setup> {
     };
     let place = description.place_um.map_or(Place::Anywhere, Place::At);
     Ok(Setup { obliquity: *obliquity, coherence, place, normalization, index: description.index })
-}
-
-fn checksum<'a>(
-    description: &Description,
-    tensors: impl Iterator<Item = (&'a str, &'a [u8])>,
-) -> Result<String> {
-    let bare = Description { checksum: String::new(), ..description.clone() };
-    let json = serde_json::to_string(&bare).map_err(|e| Error::machine(format!("no JSON form: {e}")))?;
-    Ok(container_checksum(&json, tensors))
 }
 
 #[cfg(test)]

@@ -161,6 +161,9 @@ const MOST_PIXELS: usize = 4096 * 2048;
 /// Compression never gains more than this; a header that claims more pixels per byte of file is not believed.
 const MOST_PIXELS_PER_BYTE: usize = 1100;
 
+/// The same of pixels that may be of one bit: deflate's limit is 1032 bytes from one.
+pub(super) const MOST_BITS_PER_BYTE: usize = 8 * 1032;
+
 /// What the values of a picture mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {

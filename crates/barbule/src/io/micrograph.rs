@@ -11,14 +11,11 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::image::check_palette;
+use super::image::{MOST_BITS_PER_BYTE, check_palette};
 use super::read_bytes;
 use crate::error::shortened;
 use crate::trace::{Grey, MOST_PIXELS, check_size};
 use crate::{Error, Result};
-
-/// No picture packs more pixels into a byte: deflate's limit is 1032 bytes, of pixels of one bit.
-const MOST_PIXELS_PER_BYTE: usize = 8 * 1032;
 
 /// Parts of red, green and blue in a grey, of ITU-R BT.601: what cameras' programs take.
 const GREY_OF: [f32; 3] = [0.299, 0.587, 0.114];
@@ -47,7 +44,7 @@ pub fn decode_micrograph(bytes: &[u8]) -> Result<Grey> {
 /// Refuses a size that a header claims but that is not traced, or that cannot be in so many bytes.
 fn check(size: [usize; 2], bytes: usize) -> Result<()> {
     check_size(size)?;
-    if size[0] * size[1] > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
+    if size[0] * size[1] > bytes.saturating_mul(MOST_BITS_PER_BYTE) {
         return Err(Error::input(format!(
             "says that it has {} × {} pixels, which cannot be in {bytes} bytes",
             size[0], size[1]

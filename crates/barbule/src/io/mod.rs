@@ -48,7 +48,8 @@ pub use curves::{LARGEST_CURVES, curves_text, decode_curves, foretell_curves, pa
 pub use denoiser::{Denoiser, Noisy, Plane};
 pub use eye::read_eye;
 pub use feather::{
-    FeatherFormat, MOST_WRITTEN_BARBULES, UsdLook, foretell_written, write_feather, write_usd,
+    FEW_BARBULES, FeatherFormat, MOST_WRITTEN_BARBULES, UsdLook, WRITTEN_IDENTITY, foretell_written,
+    write_feather, write_usd,
 };
 pub use grating::{GratingFile, LARGEST_GRATING, decode_grating, read_grating, write_grating};
 pub use heights::{Clean, HeightUnit, HeightsOptions, foretell_heights, read_heights};
@@ -69,7 +70,7 @@ pub use species::{
     read_structure_toml, shown_of,
 };
 pub use stack::{parse_stack, read_stack};
-pub use units::Units;
+pub use units::{HASH_DIGITS, Units};
 pub use whole::{
     LARGEST_INPUT, bytes_of, endings_beside, hash_bytes, hash_file, make_folder, read_at_most, read_bytes,
     read_own, read_text,

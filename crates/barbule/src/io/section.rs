@@ -278,5 +278,4 @@ pub fn write_section(path: &Path, section: &Section) -> Result<()> {
 }
 
 #[cfg(test)]
-#[path = "section_tests.rs"]
 mod tests;

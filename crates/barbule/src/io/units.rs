@@ -13,8 +13,8 @@ use super::whole::{hash_bytes, make_folder, read_own};
 use super::write_whole;
 use crate::{Error, Result};
 
-/// Digits of an identity in a file's name.
-const DIGITS: usize = 16;
+/// Digits of an identity, or of another hash, in a file's name.
+pub const HASH_DIGITS: usize = 16;
 
 /// The largest unit that is read: 1 GiB.
 const LARGEST: u64 = 1 << 30;
@@ -62,7 +62,7 @@ impl Units {
     }
 
     fn path(&self, name: &str, identity: &str) -> PathBuf {
-        let head = identity.get(..DIGITS).unwrap_or(identity);
+        let head = identity.get(..HASH_DIGITS).unwrap_or(identity);
         self.folder.join(format!("{name}-{head}.unit"))
     }
 }
@@ -88,7 +88,7 @@ mod tests {
             values.iter().map(|v| v.to_bits()).collect::<Vec<_>>()
         );
         // Another identity with the same head.
-        let near = identity('1')[..DIGITS].to_owned() + &identity('2')[DIGITS..];
+        let near = identity('1')[..HASH_DIGITS].to_owned() + &identity('2')[HASH_DIGITS..];
         assert_eq!(units.get::<Vec<f64>>("a", &near), None);
         assert_eq!(units.get::<Vec<f64>>("b", &identity('1')), None);
         units.forget("a", &identity('1'));

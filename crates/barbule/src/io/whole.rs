@@ -122,7 +122,7 @@ pub fn read_text(path: &Path) -> Result<String> {
             "has over {MOST_JSON_VALUES} commas and opening brackets, more than any file that is read here needs"
         )));
     }
-    let text = String::from_utf8(bytes).map_err(|_| refuse("is not UTF-8 text"))?;
+    let text = String::from_utf8(bytes).map_err(|_| refuse("is not UTF-8 text; save it as UTF-8"))?;
     match text.strip_prefix('\u{feff}') {
         Some(rest) => Ok(rest.to_owned()),
         None => Ok(text),

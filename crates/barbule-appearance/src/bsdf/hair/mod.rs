@@ -17,8 +17,6 @@ mod section;
 mod spread;
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod tests_elliptical;
 
 use std::f64::consts::TAU;
 

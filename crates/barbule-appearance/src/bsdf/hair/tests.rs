@@ -1,5 +1,7 @@
 //! The fibre against energy, its own sampling and geometric optics.
 
+mod elliptical;
+
 use std::f64::consts::PI;
 
 use super::*;
@@ -7,9 +9,9 @@ use crate::bsdf::{Frame, Surface};
 use crate::math::rng::Stream;
 use crate::spectrum::dense::WAVES;
 
-pub(super) const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
+const PATH: [f64; WAVES] = [550.0, 610.0, 470.0, 510.0, 400.0, 430.0, 650.0, 690.0];
 
-pub(super) fn clear() -> Absorption {
+fn clear() -> Absorption {
     Absorption::new(|_| 0.0).unwrap()
 }
 
@@ -26,25 +28,25 @@ fn hair(m: f64, n: f64, tilt_deg: f64, absorption: Absorption) -> Hair {
 }
 
 /// Towards the viewer at an inclination, in the frame of a point that the ray meets at an offset.
-pub(super) fn viewer(inclination: f64, offset: f64) -> DVec3 {
+fn viewer(inclination: f64, offset: f64) -> DVec3 {
     let (sin, cos) = inclination.sin_cos();
     DVec3::new(cos * offset, sin, cos * (1.0 - offset * offset).sqrt())
 }
 
-pub(super) fn direction(sin: f64, azimuth: f64) -> DVec3 {
+fn direction(sin: f64, azimuth: f64) -> DVec3 {
     let cos = (1.0 - sin * sin).max(0.0).sqrt();
     DVec3::new(cos * azimuth.cos(), sin, cos * azimuth.sin())
 }
 
 /// f |cos| and the density, at each wavelength.
-pub(super) fn scattered(bound: &Bound<'_>, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
+fn scattered(bound: &Bound<'_>, wi: DVec3) -> ([f64; WAVES], [f64; WAVES]) {
     let (f, pdf) = bound.eval(DVec3::ZERO, wi);
     (f.map(|f| f * wi.z.abs()), pdf)
 }
 
 /// ∫ over the sphere of f |cos| and of the density at the first wavelength: Simpson in the inclination (its derivatives
 /// vanish with the solid angle at the poles), midpoints around the fibre. Both resolve a width of 0.05.
-pub(super) fn integrals(bound: &Bound<'_>) -> [f64; 2] {
+fn integrals(bound: &Bound<'_>) -> [f64; 2] {
     let (rows, columns) = (1200, 720);
     let mut sums = [0.0; 2];
     for i in 1..rows {
@@ -104,7 +106,7 @@ fn absorbing_fibres_keep_what_their_ways_keep() {
 
 /// How many deviations the counts of samples over the whole sphere lie from integrals of the density: χ², with that of
 /// Wilson and Hilferty, the cube root of χ² over its degrees being nearly normal.
-pub(super) fn deviations(bound: &Bound<'_>, seed: u64) -> f64 {
+fn deviations(bound: &Bound<'_>, seed: u64) -> f64 {
     const ROWS: usize = 24;
     const COLUMNS: usize = 16;
     const FINE: usize = 24;

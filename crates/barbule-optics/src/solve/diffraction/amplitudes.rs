@@ -69,10 +69,12 @@ pub struct Amplitudes {
 /// Terms of a Chebyshev series of e^{jax} on \[−1, 1\] that leaves out no more than `rest`: its coefficients are 2 J_n(a) ≤
 /// 2 (a/2)ⁿ/n!.
 fn needed_terms(a: f64, rest: f64) -> usize {
-    let (mut bound, mut n) = (2.0, 0.0);
+    // The bound as its logarithm: it grows to about e^{a/2} before it falls.
+    let rest = libm::log(rest);
+    let (mut bound, mut n) = (std::f64::consts::LN_2, 0.0);
     while bound > rest || n < 0.5 * a {
         n += 1.0;
-        bound *= 0.5 * a / n;
+        bound += libm::log(0.5 * a / n);
     }
     n as usize + 1
 }

@@ -102,7 +102,7 @@ impl Points {
     /// Prepares a section with elements of at most `element_um`.
     ///
     /// # Errors
-    /// The light does not come through air, or the top has no length.
+    /// The light does not come through air, the top has no length, or something lies above it.
     pub(super) fn new(section: &Section, element_um: f64, window: Window) -> Result<Self> {
         Self::subdivided(section, element_um, 1, window, None)
     }
@@ -123,6 +123,7 @@ impl Points {
         let center_um = place.unwrap_or(0.0);
         let farthest_um = place.map_or(f64::INFINITY, |_| 0.5 * section.width_um);
         section.check_lit_through_air()?;
+        section.check_nothing_above_top()?;
         let top = section.top();
         let gauss = 0.5 / 3f64.sqrt();
         let mut rays = Vec::new();

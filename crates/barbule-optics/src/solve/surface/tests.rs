@@ -16,7 +16,7 @@ use crate::progress::Unobserved;
 use crate::scattering::directions::{e1, e2, omega};
 use crate::scattering::far_field::{IncidentLight, Polarization};
 use crate::solve::direct;
-use crate::structure::{Medium, Parts, Polyline, Section, SpeciesModel, Substance};
+use crate::structure::{Inclusion, Loop, Medium, Parts, Polyline, Section, SpeciesModel, Substance};
 
 /// A perfect conductor to 2e-6: r_s = −1, r_p = +1.
 fn mirror() -> Medium {
@@ -350,5 +350,56 @@ fn single_precision_survives_grazing_light_on_many_voids() {
         let exact = radiated(&points, &double, &Nodes::at_points(&points), &cone, &phis);
         let error = relative_l2(fast.iter(), exact.iter());
         assert!(error < 1e-3, "{instance}: {error:e}");
+    }
+}
+
+/// A translation changes no power: sections are drawn from x = 0 on as often as about it.
+#[test]
+fn a_section_drawn_elsewhere_reflects_the_same() {
+    let centred = scalloped(8.0, 3);
+    let moved = |xs: &[f64]| xs.iter().map(|x| x + 40.0).collect();
+    let boundaries = centred.boundaries.iter();
+    let elsewhere = section(
+        8.0,
+        boundaries.map(|one| Polyline { x_um: moved(&one.x_um), z_um: one.z_um.clone() }).collect(),
+        centred.media.clone(),
+    );
+    let powers = |section| fields(section, 500.0, 0.2, 0.4).radiated;
+    for (a, b) in powers(&centred).iter().zip(powers(&elsewhere)) {
+        assert!((a - b).abs() < 1e-9 * a, "{a} {b}");
+    }
+}
+
+/// A wide bar of gold in keratin is a stack, however deep it lies under a flat top that has no other boundary; what lies above the top
+/// is refused.
+#[test]
+fn inclusions_count_wherever_they_lie() {
+    let bar = |from: f64, to: f64| {
+        let gold = Medium::Pure(Substance::Index(Complex64::new(0.97, 1.87)));
+        let outline = Loop::polygon(vec![-11.9, 11.9, 11.9, -11.9], vec![from, from, to, to]);
+        let parts = Parts {
+            width_um: Some(24.0),
+            boundaries: vec![flat(24.0, 0.0)],
+            media: ["air", "keratin"].map(Medium::named).to_vec(),
+            inclusions: vec![Inclusion { outline, medium: gold, holes: Vec::new() }],
+            ..Parts::default()
+        };
+        Section::new(parts, Library::builtin()).unwrap()
+    };
+    for depth in [0.3, 0.7, 3.0] {
+        let section = bar(-depth, -depth - 0.3);
+        let keratin = Library::builtin().get("keratin").unwrap().index(500.0).unwrap();
+        let (air, gold) = (Complex64::new(1.0, 0.0), Complex64::new(0.97, 1.87));
+        let r =
+            reflect(&[air, keratin, gold, keratin], &[1e3 * depth, 300.0], 500.0, 0.0, film::Polarization::S);
+        let expected = r.unwrap().norm_sqr();
+        let found = fields(&section, 500.0, 0.0, 0.0).radiated[0];
+        assert!((found / expected - 1.0).abs() < 0.02, "{depth}: {found} {expected}");
+    }
+    for refused in [
+        far_field(&bar(0.9, 0.6), &beam(500.0, 0.0, 0.0), 90, &Accuracy::default()).unwrap_err(),
+        direct::far_field(&bar(0.9, 0.6), &beam(500.0, 0.0, 0.0), 90, 0.05).unwrap_err(),
+    ] {
+        assert!(refused.to_string().contains("inclusions[0] lies above the top"), "{refused}");
     }
 }

@@ -152,6 +152,7 @@ impl Segment {
         index: usize,
     ) -> Result<Self> {
         section.check_lit_through_air()?;
+        section.check_nothing_above_top()?;
         roughness.check()?;
         let [shortest, longest] = SEGMENT_LENGTHS_UM;
         if !(shortest..=longest).contains(&length_um) {

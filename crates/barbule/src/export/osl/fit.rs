@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::facets::{Distribution, Facets};
 use crate::brdf::FeatherBrdf;
+use crate::export::deviation::{EVEN, MOST_POLAR_DEG};
 use crate::math::rng::Stream;
 use crate::spectrum::Wavelengths;
 use crate::spectrum::colour::Observer;
@@ -51,13 +52,9 @@ impl Lobes {
 /// 1/cosφ grows no further than here, at 78°.
 pub(super) const MOST_SLANT: f64 = 5.0;
 
-/// Views up to this angle from the normal, and of each so many directions of light.
-const MOST_POLAR_DEG: f64 = 70.0;
+/// Views up to [`MOST_POLAR_DEG`] from the normal, and of each so many directions of light.
 const VIEWS: usize = 48;
 const LIGHTS: usize = 48;
-
-/// Share of lights that are drawn over the whole hemisphere.
-const EVEN: f64 = 0.2;
 
 /// Wavelengths that a brightness is made of: 400, 420 … 700 nm.
 pub(super) const WAVES: usize = 16;

@@ -8,16 +8,14 @@ use tiff::{ColorType, TiffError};
 
 use super::{Raw, Scale, count};
 use crate::error::shortened;
+use crate::io::image::MOST_BITS_PER_BYTE;
 use crate::structure::MOST_HEIGHTS;
 use crate::{Error, Result};
-
-/// No picture packs more pixels into a byte: deflate's limit is 1032 bytes, of pixels of one bit.
-const MOST_PIXELS_PER_BYTE: usize = 8 * 1032;
 
 /// Refuses a size that a header claims but that cannot be in so many bytes.
 pub(super) fn check(cells: [usize; 2], bytes: usize) -> Result<usize> {
     let heights = count(cells)?;
-    if heights > bytes.saturating_mul(MOST_PIXELS_PER_BYTE) {
+    if heights > bytes.saturating_mul(MOST_BITS_PER_BYTE) {
         return Err(Error::input(format!(
             "says that it has {} × {} pixels, which cannot be in {bytes} bytes",
             cells[0], cells[1]

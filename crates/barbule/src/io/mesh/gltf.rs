@@ -2,6 +2,7 @@
 
 mod document;
 
+use std::collections::HashSet;
 use std::path::{Component, Path};
 
 use base64::Engine as _;
@@ -161,13 +162,12 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// All triangles of the scene that the file shows.
     fn scene(&self) -> Result<Parts> {
-        let Document { scenes, nodes, meshes, .. } = self.document;
-        let scene = entry(scenes, self.document.scene.unwrap_or(0), "scene")?;
+        let Document { nodes, meshes, .. } = self.document;
         let mut parts = Parts::default();
         let mut is_placed = vec![false; nodes.len()];
         let mut placed = 0;
         let root = DMat4::from_scale(DVec3::splat(MM_PER_M));
-        let mut open: Vec<(u32, DMat4)> = scene.nodes.iter().rev().map(|node| (*node, root)).collect();
+        let mut open: Vec<(u32, DMat4)> = self.roots()?.into_iter().rev().map(|node| (node, root)).collect();
         while let Some((index, above)) = open.pop() {
             let node = entry(nodes, index as usize, "node")?;
             if std::mem::replace(&mut is_placed[index as usize], true) {
@@ -194,6 +194,16 @@ impl Reader<'_> {
             parts.uvs.clear();
         }
         Ok(parts)
+    }
+
+    /// The nodes that stand by themselves: those of the scene that is shown, or of a file without any all that are no one's children.
+    fn roots(&self) -> Result<Vec<u32>> {
+        let Document { scene, scenes, nodes, .. } = self.document;
+        if scene.is_some() || !scenes.is_empty() {
+            return Ok(entry(scenes, scene.unwrap_or(0), "scene")?.nodes.clone());
+        }
+        let children: HashSet<u32> = nodes.iter().flat_map(|node| &node.children).copied().collect();
+        Ok((0..nodes.len() as u32).filter(|node| !children.contains(node)).collect())
     }
 
     /// Adds the triangles of a primitive; points and lines are left out.

@@ -10,6 +10,7 @@ use crate::io::whole::{failure, hash_bytes};
 use crate::io::zarr::{Array, DataType, group_metadata};
 use crate::scattering::statistics::{AZIMUTHS, Axes, GLINTS, LAGS, Sides};
 use crate::spectrum::Wavelengths;
+use crate::structure::MOST_INSTANCES;
 use crate::{Error, Result};
 
 /// The version of the layout; others are not read.
@@ -358,7 +359,7 @@ fn checked_axes(attributes: &Value) -> std::result::Result<(Axes, usize), String
     let instances = attributes["instances"]
         .as_u64()
         .and_then(|n| usize::try_from(n).ok())
-        .filter(|n| (1..=10_000).contains(n))
+        .filter(|n| (1..=MOST_INSTANCES).contains(n))
         .ok_or("its attribute 'instances' is no number from 1 to 10000")?;
     Ok((axes, instances))
 }

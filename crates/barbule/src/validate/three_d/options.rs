@@ -7,7 +7,7 @@ use crate::brdf::FeatherMaterial;
 use crate::math::simd::Width;
 use crate::progress::Clock;
 use crate::spectrum::Wavelengths;
-use crate::structure::{Roughness, SEGMENT_LENGTHS_UM, Smoothing, Structure};
+use crate::structure::{MOST_INSTANCES, Roughness, SEGMENT_LENGTHS_UM, Smoothing, Structure};
 use crate::validate::options::{check_species, narrowed};
 use crate::{Error, Result};
 
@@ -18,7 +18,6 @@ const QUICK_NM: [f64; 3] = [400.0, 550.0, 694.0];
 /// How many segments are averaged.
 const USUAL_INSTANCES: usize = 50;
 const QUICK_INSTANCES: usize = 10;
-const MOST_INSTANCES: usize = 10_000;
 
 /// θ_i and φ_i of the light, degrees.
 const DIRECTIONS_DEG: [[f64; 2]; 3] = [[0.0, 0.0], [0.0, 30.0], [30.0, 30.0]];

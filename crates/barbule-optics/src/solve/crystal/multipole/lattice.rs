@@ -305,5 +305,4 @@ fn plane_waves(orders: &Orders, period: f64, x: f64, z: f64, q_max: usize) -> Ve
 }
 
 #[cfg(test)]
-#[path = "lattice_tests.rs"]
 mod tests;

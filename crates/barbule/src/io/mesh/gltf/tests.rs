@@ -84,6 +84,10 @@ fn the_same_mesh_comes_embedded_beside_and_in_binary() {
     assert_eq!(embedded.uvs, [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]);
     assert_eq!(embedded.normals, [Vec3::Z; 4]);
     assert_eq!(embedded.triangles, [[0, 1, 2], [0, 2, 3]]);
+    let mut library = square();
+    library["nodes"] = json!([{"mesh": 0}, {"children": [0]}]);
+    library.as_object_mut().unwrap().retain(|key, _| !key.starts_with("scene"));
+    assert_eq!(read_document(&library).unwrap(), embedded);
     let (whole, _) = read_file("a.GLB", &binary()).unwrap();
     assert_eq!(whole, embedded);
     let mut apart = square();

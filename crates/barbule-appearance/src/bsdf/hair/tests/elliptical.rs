@@ -1,11 +1,7 @@
 //! Elliptical fibres against energy, their own sampling, and turns in space.
 
-use std::f64::consts::PI;
-
-use super::tests::{PATH, clear, deviations, direction, integrals, scattered, viewer};
 use super::*;
-use crate::bsdf::{BsdfSample, Frame, Surface};
-use crate::math::rng::Stream;
+use crate::bsdf::BsdfSample;
 
 fn fibre(height_over_width: f64, index: FibreIndex, roughness: f64, absorption: Absorption) -> Hair {
     Hair::new(HairParameters {
