@@ -177,7 +177,7 @@ C1 = 2 * sum(p * cos(2 * pi * l / N) for l, p in enumerate(power, 1))
 
 @lru_cache(None)
 def bases():
-    rows = []
+    rows, correlation = [], 0.0
     for base in range(BASES):
         name, terms = chained(chained(split_mix(seed), 0x6E6F697365), base), [0j] * N
         u = units(split_mix(name) << 64 | name | 1)
@@ -185,6 +185,11 @@ def bases():
         for l, p in enumerate(power, 1):
             terms[l], terms[-l] = complex(normal(), normal()) * sqrt(p), complex(normal(), normal()) * sqrt(p)
         rows.append(array("f", [part for c in transform(terms) for part in (c.real, c.imag)]))
+        beside = [] if base == 0 else [rows[base - 1], rows[0]] if base == BASES - 1 else [rows[base - 1]]
+        own = sum(v * w for row in beside for v, w in zip(row, rows[base]))
+        if correlation * own > 0:
+            rows[base], own = array("f", [-v for v in rows[base]]), -own
+        correlation += own
     scale = single(32767 / max(max(map(abs, row)) for row in rows))
     rows = [[floor(abs(v) + 0.5) * (1 if v > 0 else -1) for v in array("f", [v * scale for v in row])] for row in rows]
     step = sqrt(2 * N * BASES / sum(v * v for row in rows for v in row))
