@@ -279,7 +279,7 @@ fn reflected_fractions_are_the_materials_own() {
     assert_eq!(few["reflected_fraction"], many["reflected_fraction"]);
     assert_eq!(few["flagged"], serde_json::json!([false]));
     let words = ["brdf", "starling", "--wavelength", "550", "--marginal", "--azimuths", "2", "--json"];
-    let (out, message) = succeed(&[&words[..], &["--wi", "0,87", "--instance", "3:4:1"]].concat());
+    let (out, message) = succeed(&[&words[..], &["--wi", "0,87", "--instance", "43:44:1"]].concat());
     let drawn: Value = serde_json::from_str(&out).unwrap();
     let fractions = table(&drawn["reflected_fraction"]).concat();
     let flagged: Vec<bool> = fractions.iter().map(|fraction| *fraction > 1.001).collect();

@@ -484,9 +484,9 @@ fn the_deviation_from_reciprocity_is_known() {
 #[test]
 fn albedos_of_instances_scatter_about_the_mean() {
     let cases = [
-        ("example", example(3), 0.2752),
-        (SHIPPED[0], shipped(SHIPPED[0]), 0.2743),
-        (SHIPPED[1], shipped(SHIPPED[1]), 0.2126),
+        ("example", example(3), 0.2833),
+        (SHIPPED[0], shipped(SHIPPED[0]), 0.2613),
+        (SHIPPED[1], shipped(SHIPPED[1]), 0.1988),
     ];
     for (name, material, known) in cases {
         let [average, spread] = instance_albedos(&brdf(&material), 0);

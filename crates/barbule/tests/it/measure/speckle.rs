@@ -263,6 +263,9 @@ fn decay(lags: &[f64]) -> f64 {
     ((at - 1) as f64 + (above - level) / (above - below)) * 2.0 / NOISE_POINTS as f64
 }
 
+/// Synthesized instances whose lengths are told: two hundred tell them to three percent only.
+const SYNTHESIZED: u64 = 2000;
+
 /// 1/e lengths at polarization 1, simulated and synthesized: of the weighted fields (S.30) and of the intensities
 /// about their mean over instances.
 fn lengths(species: &Ensemble, material: &FeatherMaterial, wave: usize, phi: usize) -> [[f64; 2]; 2] {
@@ -278,7 +281,7 @@ fn lengths(species: &Ensemble, material: &FeatherMaterial, wave: usize, phi: usi
     let patterns = patterns.unwrap();
     let synthesis = Synthesis::on(material, axes.index(wave, theta, phi), &patterns.phi_o);
     let noise = material.noise();
-    let synthesized: Vec<Vec<Complex64>> = (0..200)
+    let synthesized: Vec<Vec<Complex64>> = (0..SYNTHESIZED)
         .map(|n| synthesis.fields(&noise, n).map(|[[re, im], _]| Complex64::new(re, im)).collect())
         .collect();
     let of = |rows: &mut dyn Iterator<Item = Vec<Complex64>>| {

@@ -43,7 +43,6 @@ fn white_elliptical_fibres_stay_white_in_the_furnace() {
         let [albedo, density] = integrals(&bound);
         worst = [worst[0].max((albedo - 1.0).abs()), worst[1].max((density - 1.0).abs())];
     }
-    println!("worst deviation of the albedo and of the density's integral: {worst:?}");
     assert!(worst[0] < 1e-6 && worst[1] < 1e-6, "{worst:?}");
 }
 
