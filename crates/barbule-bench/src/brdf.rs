@@ -38,7 +38,7 @@ pub struct BrdfFigures {
     pub instance_ns: f64,
     /// Four wavelengths of the mean.
     pub smooth_ns: f64,
-    /// Four wavelengths of an instance, [`RUN`] pairs of directions together.
+    /// Four wavelengths of an instance, 256 pairs of directions together.
     pub together_ns: f64,
     /// A direction drawn with its density.
     pub sample_ns: f64,
