@@ -135,7 +135,9 @@ impl Sweep {
         }
         let widest = nm.array_windows().map(|[a, b]| b - a).fold(0.0, f64::max);
         Ok(Some(format!(
-            "what the stack reflects rises and falls between wavelengths {widest} nm apart: fringes are missed, and peaks and colours that are read from these are not the stack's; take finer steps"
+            "what the stack reflects rises and falls between wavelengths {} nm apart: fringes are missed, and peaks and colours that are read from these are not the stack's; take finer steps",
+            // Differences of decimal fractions need not be one.
+            (widest * 1e6).round() / 1e6
         )))
     }
 

@@ -28,8 +28,8 @@ type Wave = (Field, Field);
 /// `element_um`: what [`surface::far_field`](super::surface::far_field) computes too.
 ///
 /// # Errors
-/// As [`cast`] and [`Section::check_lit_through_air`], [`Section::check_nothing_above_top`], a medium's table does not reach the wavelength, or a crystal cannot
-/// be solved.
+/// As [`cast`], [`Section::check_lit_through_air`] and [`Section::check_nothing_above_top`]; a medium's table does not reach the
+/// wavelength, or a crystal cannot be solved.
 pub fn far_field(
     section: &Section,
     illumination: &Illumination,
