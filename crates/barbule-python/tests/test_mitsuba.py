@@ -122,6 +122,20 @@ def test_values_with_reciprocity_and_polarization(options):
     check_close(density, material.pdf(NM, wi, wo).mean(axis=-1))
 
 
+def test_both_tables_are_asked_near_the_horizon():
+    material = barbule.Material.load("rock-dove:jade", reciprocity="steeper")
+    rng = np.random.default_rng(2)
+    phi = np.radians(rng.uniform(75.0, 89.9, (2, 1000))) * [[1.0], [-1.0]]
+    theta = np.radians(rng.uniform(-4.0, 4.0, (2, 1000)))
+    wi, wo = (np.stack([np.cos(t) * np.sin(p), np.sin(t), np.cos(t) * np.cos(p)], -1) for t, p in zip(theta, phi))
+    values, _ = eval_pdf(bsdf("rock-dove:jade", instances="prim", reciprocity="steeper"), hits(wi, NM, 5), wo)
+    expected = material.eval(NM, wi, wo, 5) * wo[:, 2:]
+    check_close(values, expected)
+    np.testing.assert_allclose(material.eval(NM, wo, wi, 5), material.eval(NM, wi, wo, 5), rtol=1e-4)
+    one_way = barbule.Material.load("rock-dove:jade").eval(NM, wi, wo, 5) * wo[:, 2:]
+    assert np.abs(one_way - expected).max() > 0.01 * expected.max()
+
+
 def test_eval_and_pdf_are_those_of_eval_pdf():
     wi, wo = pairs(500)
     feather, si, context = bsdf(instances="prim"), hits(wi, NM, 3), mi.BSDFContext()

@@ -65,11 +65,27 @@ impl Eight<'_> {
         self.values.fill([0.0; 4]);
         match brdf.reciprocity {
             Reciprocity::AsFitted => self.add(brdf, |_| false),
-            Reciprocity::Steeper => self.add(brdf, Reciprocity::is_steeper),
+            Reciprocity::Steeper => {
+                self.add(brdf, Reciprocity::is_steeper);
+                self.level_at_horizon(brdf);
+            }
             Reciprocity::Mean => {
                 self.add(brdf, |_| false);
                 self.add(brdf, |_| true);
                 self.values.as_flattened_mut().iter_mut().for_each(|value| *value *= 0.5);
+            }
+        }
+    }
+
+    /// Values again of those few pairs that both tables are asked about.
+    fn level_at_horizon(&mut self, brdf: &FeatherBrdf) {
+        let fours = self.values.len() / self.pairs.len();
+        let spectra = self.wavelengths_nm.chunks_exact(fours).zip(self.values.chunks_exact_mut(fours));
+        for (k, (pair, (nm, values))) in self.pairs.iter().zip(spectra).enumerate() {
+            if Reciprocity::at_horizon(*pair) > 0.0 && pair.iter().all(|w| is_above(*w)) {
+                values.fill([0.0; 4]);
+                let draw = self.draws.map(|draws| &draws[k]);
+                brdf.add_both_ways(nm.as_flattened(), *pair, None, draw, values.as_flattened_mut());
             }
         }
     }

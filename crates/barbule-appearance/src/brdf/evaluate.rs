@@ -317,7 +317,7 @@ struct Towards {
 impl FeatherBrdf {
     /// Adds f as [`Reciprocity`] has it to values that are 0; `prepared` is ω_i in the tables if it is known.
     #[inline]
-    fn add_both_ways(
+    pub(super) fn add_both_ways(
         &self,
         wavelengths_nm: &[f32],
         [wi, wo]: [DVec3; 2],
@@ -327,16 +327,44 @@ impl FeatherBrdf {
     ) {
         let (there, back) = ([wi, wo], [wo, wi]);
         match self.reciprocity {
-            Reciprocity::Steeper if Reciprocity::is_steeper(there) => {
-                self.add_values(wavelengths_nm, back, None, instance, values);
-            }
-            Reciprocity::AsFitted | Reciprocity::Steeper => {
-                self.add_values(wavelengths_nm, there, prepared, instance, values);
+            Reciprocity::AsFitted => self.add_values(wavelengths_nm, there, prepared, instance, values),
+            Reciprocity::Steeper => {
+                let horizon = Reciprocity::at_horizon(there);
+                if Reciprocity::is_steeper(there) {
+                    self.add_values(wavelengths_nm, back, None, instance, values);
+                    self.level_at_horizon(horizon, wavelengths_nm, (there, prepared), instance, values);
+                } else {
+                    self.add_values(wavelengths_nm, there, prepared, instance, values);
+                    self.level_at_horizon(horizon, wavelengths_nm, (back, None), instance, values);
+                }
             }
             Reciprocity::Mean => {
                 self.add_values(wavelengths_nm, there, prepared, instance, values);
                 self.add_values(wavelengths_nm, back, None, instance, values);
                 values.iter_mut().for_each(|value| *value *= 0.5);
+            }
+        }
+    }
+
+    /// Brings values of the steeper direction's tables nearer to the geometric mean with those of the other `order`.
+    fn level_at_horizon(
+        &self,
+        horizon: f64,
+        wavelengths_nm: &[f32],
+        (order, prepared): ([DVec3; 2], Option<&Incident>),
+        instance: Option<&Draw>,
+        values: &mut [f32],
+    ) {
+        if horizon == 0.0 {
+            return;
+        }
+        for (nm, values) in wavelengths_nm.chunks(8).zip(values.chunks_mut(8)) {
+            let mut flatter = [0.0; 8];
+            let flatter = &mut flatter[..nm.len()];
+            self.add_values(nm, order, prepared, instance, flatter);
+            for (value, other) in values.iter_mut().zip(flatter) {
+                // What rounding leaves below 0 has no root.
+                *value += horizon as f32 * (value.max(0.0).sqrt() * other.max(0.0).sqrt() - *value);
             }
         }
     }

@@ -69,13 +69,24 @@ impl ExactBrdf<'_> {
         let draw = instance.map(|instance| self.brdf.noise().draw(instance));
         let there = || self.one_way(wo, draw.as_ref());
         let back = || self.brdf.exact(self.wavelength_nm, wo).one_way(self.incident, draw.as_ref());
+        let both = |mean: &dyn Fn(f64, f64) -> f64| {
+            let (there, back) = (there(), back());
+            Values { f: mean(there.f, back.f), steady: mean(there.steady, back.steady), pdf: 0.0 }
+        };
+        let pair = [self.incident, wo];
         let mut values = match self.brdf.reciprocity {
-            Reciprocity::Steeper if Reciprocity::is_steeper([self.incident, wo]) => back(),
-            Reciprocity::AsFitted | Reciprocity::Steeper => there(),
-            Reciprocity::Mean => {
-                let (there, back) = (there(), back());
-                let mean = |of: fn(&Values) -> f64| 0.5 * (of(&there) + of(&back));
-                Values { f: mean(|values| values.f), steady: mean(|values| values.steady), pdf: 0.0 }
+            Reciprocity::AsFitted => there(),
+            Reciprocity::Mean => both(&|there, back| 0.5 * (there + back)),
+            Reciprocity::Steeper => {
+                let (is_steeper, horizon) = (Reciprocity::is_steeper(pair), Reciprocity::at_horizon(pair));
+                match (is_steeper, horizon > 0.0) {
+                    (true, false) => back(),
+                    (false, false) => there(),
+                    (_, true) => both(&|there, back| {
+                        let steeper = if is_steeper { back } else { there };
+                        steeper + horizon * (there.max(0.0).sqrt() * back.max(0.0).sqrt() - steeper)
+                    }),
+                }
             }
         };
         values.pdf = self.density(wo);

@@ -84,19 +84,23 @@ impl PlainBrdf {
             return Values::default();
         }
         let there = self.one_way(wavelength_nm, wi, wo, instance);
-        let back = || self.one_way(wavelength_nm, wo, wi, instance);
+        if self.header.reciprocity == Reciprocity::AsFitted {
+            return there;
+        }
+        let back = self.one_way(wavelength_nm, wo, wi, instance);
+        if self.header.reciprocity == Reciprocity::Mean || self.header.sides == Sides::Both {
+            let (f, steady) = (0.5 * (there.f + back.f), 0.5 * (there.steady + back.steady));
+            return Values { f, steady, pdf: there.pdf };
+        }
         let tangents = [wi, wo].map(|w| w.x.abs() / w.z);
         let is_steeper = tangents[1] < tangents[0] || (tangents[1] == tangents[0] && wo.z > wi.z);
-        match (self.header.reciprocity, self.header.sides) {
-            (Reciprocity::Steeper, Sides::Alike) if is_steeper => Values { pdf: there.pdf, ..back() },
-            (Reciprocity::AsFitted, _) | (Reciprocity::Steeper, Sides::Alike) => there,
-            (Reciprocity::Mean, _) | (Reciprocity::Steeper, Sides::Both) => {
-                let back = back();
-                let mean = |there: f64, back: f64| 0.5 * (there + back);
-                let (f, steady) = (mean(there.f, back.f), mean(there.steady, back.steady));
-                Values { f, steady, pdf: there.pdf }
-            }
-        }
+        let [least, most] = [80.0_f64, 85.0].map(|phi| phi.to_radians().cos());
+        let cosine = (wi.z / wi.x.hypot(wi.z)).min(wo.z / wo.x.hypot(wo.z));
+        let w = ((least - cosine) / (least - most)).clamp(0.0, 1.0);
+        let of = |there: f64, back: f64| {
+            (1.0 - w) * if is_steeper { back } else { there } + w * (there * back).max(0.0).sqrt()
+        };
+        Values { f: of(there.f, back.f), steady: of(there.steady, back.steady), pdf: there.pdf }
     }
 
     /// ω_o drawn from the mean lobes at a wavelength (nm), steps 11 to 14.

@@ -23,6 +23,9 @@ pub const TABLES_VERSION: u32 = 3;
 /// No tables have more nodes than this: those of a material with both grazing sides added to its axes.
 const MOST_NODES: usize = 16_000_000;
 
+/// cosφ of the flatter direction at which [`Reciprocity::Steeper`] begins to ask both tables, of 80° and 85°.
+const HORIZON: [f64; 2] = [0.173_648_177_666_930_35, 0.087_155_742_747_658_17];
+
 words! {
     /// What makes values the same when light and eye change places.
     #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -31,8 +34,9 @@ words! {
         #[default]
         "none": AsFitted,
         /// Each value is from the tables of whichever of both directions is steeper across the barbule, that is of smaller |φ|, where the
-        /// simulation is nearer to Maxwell's equations. Materials whose sides differ have the mean: at their mirror directions both
-        /// tables may differ, and the lobe would have a step there.
+        /// simulation is nearer to Maxwell's equations; where the other one is within some degrees of the horizon, on the way to the
+        /// geometric mean of both orders. Materials whose sides differ have the mean: at their mirror directions both tables may differ,
+        /// and the lobe would have a step there.
         "steeper": Steeper,
         /// Each value is the mean of both orders, at twice the cost.
         "mean": Mean,
@@ -45,6 +49,17 @@ impl Reciprocity {
     pub(super) fn is_steeper([first, second]: [DVec3; 2]) -> bool {
         let [own, other] = [first.z * second.x.abs(), second.z * first.x.abs()];
         other > own || (other == own && second.z > first.z)
+    }
+
+    /// Of [`Steeper`](Self::Steeper): how near to the horizon the flatter of both directions is, from 0 at |φ| = 80° and less to 1 from 85° on.
+    #[inline(always)]
+    pub(super) fn at_horizon(directions: [DVec3; 2]) -> f64 {
+        let [begins, ends] = HORIZON;
+        if directions.iter().all(|w| w.z * w.z >= begins * begins * (w.x * w.x + w.z * w.z)) {
+            return 0.0;
+        }
+        let [first, second] = directions.map(|w| w.z / (w.x * w.x + w.z * w.z).sqrt());
+        ((begins - first.min(second)) / (begins - ends)).min(1.0)
     }
 }
 

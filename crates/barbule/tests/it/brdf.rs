@@ -421,13 +421,13 @@ fn the_reciprocal_options_make_values_symmetric() {
 }
 
 /// By the steeper direction's tables a lobe reflects no longer what was fitted: the sum over the hemisphere at 547 nm and θ_i = 0 over
-/// that. Within 6 % to 75°; beyond, where the simulation does not hold, a fifth less.
+/// that. Within 6 % to 75°; beyond, where the simulation does not hold, a sixth less.
 #[test]
 fn steeper_tables_reflect_nearly_what_was_fitted() {
     const GRID: usize = 120;
     let outgoing = projected_grid(GRID);
     for (stem, known) in
-        [("starling-green", [1.00, 0.99, 0.99, 1.00, 0.78]), ("mallard-lime", [1.00, 1.06, 1.04, 1.04, 0.80])]
+        [("starling-green", [1.00, 0.99, 1.01, 1.01, 0.83]), ("mallard-lime", [1.00, 1.06, 1.05, 1.05, 0.83])]
     {
         let fitted = brdf(&shipped(stem));
         let steeper = fitted.reciprocal_by(Reciprocity::Steeper);
@@ -439,11 +439,60 @@ fn steeper_tables_reflect_nearly_what_was_fitted() {
                 sum * 4.0 / (GRID * GRID) as f64
             };
             let [all, ratio] = [reflected(&steeper), reflected(&steeper) / reflected(&fitted)];
+            println!("{stem} {phi_deg}: {ratio:.4}");
             // Two digits are written here.
             assert!(
                 (ratio - known).abs() < 0.006 && all < 0.5,
                 "{stem} {phi_deg}: {ratio}, known {known}, {all}"
             );
+        }
+    }
+}
+
+/// ∫ f (z·ω_o) dω_o of the mean: sums over θ_o, finest about −θ_i, and over sinφ_o.
+fn reflected_from(brdf: &FeatherBrdf, wavelength_nm: f32, theta_deg: f64, phi_deg: f64) -> f64 {
+    const THETAS: i32 = 160;
+    const PHIS: i32 = 1500;
+    let wi = omega(theta_deg.to_radians(), phi_deg.to_radians());
+    let prepared = brdf.prepare([wavelength_nm; 4], wi);
+    let edge = |k: i32| {
+        let u = 2.0 * f64::from(k) / f64::from(THETAS) - 1.0;
+        (-theta_deg + 100.0 * (0.1 * u + 0.9 * u.powi(3))).clamp(-90.0, 90.0).to_radians()
+    };
+    let azimuth = |k: i32| (2.0 * f64::from(k) / f64::from(PHIS) - 1.0).asin();
+    let mut sum = 0.0;
+    for k in 0..THETAS {
+        let (theta, d_theta) = (0.5 * (edge(k) + edge(k + 1)), edge(k + 1) - edge(k));
+        for n in 0..PHIS {
+            let (phi, d_phi) = (0.5 * (azimuth(n) + azimuth(n + 1)), azimuth(n + 1) - azimuth(n));
+            let wo = omega(theta, phi);
+            sum += f64::from(prepared.eval(wo, None)[0]) * wo.z * theta.cos() * d_theta * d_phi;
+        }
+    }
+    sum
+}
+
+/// Light from just above the horizon: the steeper directions' tables alone would give back 1.26 of what comes from φ_i = 88° of the rock
+/// dove's, half of what others were fitted to.
+#[test]
+fn light_from_the_horizon_is_neither_gained_nor_lost() {
+    for (stem, known) in [
+        ("rock-dove-jade", [0.703, 0.825, 0.817, 0.878, 0.855]),
+        ("starling-green", [0.331, 0.335, 0.353, 0.339, 0.401]),
+    ] {
+        let fitted = brdf(&shipped(stem));
+        let steeper = fitted.reciprocal_by(Reciprocity::Steeper);
+        let at = [(30.0, 85.0), (30.0, 88.0), (45.0, 84.0), (45.0, 88.0), (65.0, 83.0)];
+        let reflected = at.map(|(theta, phi)| {
+            let [all, own] = [&steeper, &fitted].map(|brdf| reflected_from(brdf, 540.0, theta, phi));
+            let albedo = fitted.albedo(540.0, omega(theta.to_radians(), phi.to_radians()));
+            println!("{stem} {theta} {phi}: {all:.4}, as fitted {own:.4} {albedo:.4}");
+            // What the sums themselves are good to, at 88°.
+            assert!((own / albedo - 1.0).abs() < 4e-3, "{own} {albedo}");
+            all
+        });
+        for (all, known) in reflected.into_iter().zip(known) {
+            assert!((all - known).abs() < 2e-3 && all < 1.0, "{stem}: {reflected:?}, known {known}");
         }
     }
 }

@@ -64,7 +64,7 @@ def channels(values: Sequence[Any]) -> list[Any]:
         return list(values)
     weights = _rgb_weights()
     sums = [sum((float(w) * v for w, v in zip(weights[:, k], values)), 0.0 * values[0]) for k in range(3)]
-    return [dr.maximum(total, 0.0) for total in sums]
+    return [dr.fmax(total, 0.0) for total in sums]
 
 
 def spectrum(values: Sequence[Any]) -> Any:
@@ -94,6 +94,12 @@ def split_mix_of(state: int) -> int:
 def whole(x: Any) -> Any:
     """``UInt64`` of whole numbers: negative ones as two's complements, as in the program's scenes."""
     return mi.UInt64(mi.Int64(mi.Int32(x)))
+
+
+def clip(x: Any, low: Any, high: Any) -> Any:
+    """x within low and high. ``dr.clip``, ``dr.minimum`` and ``dr.maximum`` are instructions that LLVM 14 and 15 do not make of single
+    numbers, which branches and gathers leave of vectors: they end the process."""
+    return dr.fmax(dr.fmin(x, high), low)
 
 
 # ---- Arrays -------------------------------------------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from .. import film
-from ._base import MITSUBA_NM, channels, dr, floats, mi, refuse_mono, spectrum, wavelengths
+from ._base import MITSUBA_NM, channels, clip, dr, floats, mi, refuse_mono, spectrum, wavelengths
 
 
 class _Reflectance:
@@ -37,8 +37,8 @@ class _Reflectance:
         return dr.lerp(low, dr.lerp(self._at(index + self.waves), self._at(index + self.waves + 1), b), a)
 
     def _place(self, at: Any, count: int) -> tuple[Any, Any]:
-        low = dr.clip(dr.floor(at), 0.0, float(count - 2))
-        return (mi.UInt32(low) if self.is_jit else int(low)), dr.clip(at - low, 0.0, 1.0)
+        low = clip(dr.floor(at), 0.0, float(count - 2))
+        return (mi.UInt32(low) if self.is_jit else int(low)), clip(at - low, 0.0, 1.0)
 
 
 def film_class() -> type:

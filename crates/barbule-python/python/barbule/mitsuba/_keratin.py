@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from .. import _native
-from ._base import dr, floats, mi, refuse_mono, refuse_scalar, spectrum
+from ._base import clip, dr, floats, mi, refuse_mono, refuse_scalar, spectrum
 
 
 @dataclass
@@ -75,8 +75,8 @@ class Keratin:
         self.mean_body = float(dr.ravel(self.body.mean())[0])
 
     def _lookup(self, cosine: Any) -> Any:
-        at = dr.clip(cosine, 0.0, 1.0) * float(self.steps)
-        low = dr.minimum(dr.floor(at), float(self.steps - 1))
+        at = clip(cosine, 0.0, 1.0) * float(self.steps)
+        low = dr.fmin(dr.floor(at), float(self.steps - 1))
         here, there = (dr.gather(mi.Float, self.albedo, mi.UInt32(low) + step) for step in (0, 1))
         return dr.lerp(here, there, at - low)
 
@@ -86,10 +86,10 @@ class Keratin:
 
     def _gloss_share(self, cosine: Any) -> Any:
         gloss = self._lookup(cosine)
-        return dr.clip(gloss * dr.rcp(dr.fmax(gloss + (1.0 - gloss) * self.mean_body, 1e-9)), 0.1, 0.9)
+        return clip(gloss * dr.rcp(dr.fmax(gloss + (1.0 - gloss) * self.mean_body, 1e-9)), 0.1, 0.9)
 
     def _fresnel(self, cosine: Any) -> Any:
-        c = dr.clip(cosine, 0.0, 1.0)
+        c = clip(cosine, 0.0, 1.0)
         t = dr.sqrt(dr.fmax(1.0 - (1.0 - c * c) * (1.0 / self.index**2), 0.0))
         s = (c - self.index * t) * dr.rcp(c + self.index * t)
         p = (self.index * c - t) * dr.rcp(self.index * c + t)
@@ -115,7 +115,7 @@ class Keratin:
         # A normal that is seen (Dupuy & Benyoub 2023).
         stretched = dr.normalize(mi.Vector3f(wi.x * self.alpha, wi.y * self.alpha, wi.z))
         z = (1.0 - u.y) * (1.0 + stretched.z) - stretched.z
-        sine = dr.sqrt(dr.clip(1.0 - z * z, 0.0, 1.0))
+        sine = dr.sqrt(clip(1.0 - z * z, 0.0, 1.0))
         sin_azimuth, cos_azimuth = dr.sincos(u.x * (2.0 * math.pi))
         h = mi.Vector3f(sine * cos_azimuth, sine * sin_azimuth, z) + stretched
         h = dr.normalize(mi.Vector3f(h.x * self.alpha, h.y * self.alpha, h.z))

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from .. import _native
-from ._base import channels, dr, mi, refuse_mono, refuse_scalar, spectrum, split_mix, wavelengths, whole
+from ._base import channels, clip, dr, mi, refuse_mono, refuse_scalar, spectrum, split_mix, wavelengths, whole
 from ._keratin import Keratin, Side, sampled
 from ._tables import Tables
 
@@ -65,7 +65,7 @@ class _Arch:
         half = wi + wo
         low, high = math.sin(self.low), math.sin(self.high)
         across = dr.fmax(dr.sqrt(half.x * half.x + half.z * half.z), 1e-20)
-        mirror = dr.clip((2.0 * half.x * dr.rcp(across) - (low + high)) * (1.0 / (high - low)), -1.0, 1.0)
+        mirror = clip((2.0 * half.x * dr.rcp(across) - (low + high)) * (1.0 / (high - low)), -1.0, 1.0)
         per_blur = dr.rcp(blur)
         root = math.sqrt(0.5)
         mean = 0.25 * (dr.erf((1.0 - mirror) * per_blur * root) + dr.erf((1.0 + mirror) * per_blur * root))
@@ -128,7 +128,7 @@ def ribbon_class() -> type:
             if number["cell_mm"] > 0.0:
                 sine, cosine = dr.sincos(number["swelling"] * (1.0 - 2.0 * at))
                 along, z = along * cosine + z * sine, z * cosine - along * sine
-                is_wall = dr.minimum(at, 1.0 - at) * number["cell_mm"] < 0.5 * number["wall_mm"]
+                is_wall = dr.fmin(at, 1.0 - at) * number["cell_mm"] < 0.5 * number["wall_mm"]
             side = Side.of(si, x, along, z)
             barbule = _name(si, "face_inst", active)
             name = split_mix(barbule ^ split_mix(whole(cell)))

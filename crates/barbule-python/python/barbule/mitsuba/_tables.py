@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._base import BELOW_1, GOLDEN, dr, floats, held, mi, split_mix, split_mix_of
+from ._base import BELOW_1, GOLDEN, clip, dr, floats, held, mi, split_mix, split_mix_of
 
 _POINTS = 1024
 _BASES = 128
@@ -19,6 +19,8 @@ _BASES = 128
 _ROWS = 513
 #: Numbers of a node as they are gathered, four at a time: m², R | M, A of both mean lobes | m², R, M, A of the steady part | the others.
 _ORDER = (0, 1, 3, 4, 6, 7, 9, 10, 2, 5, 8, 11, 12, 13, 14, 15)
+#: cosφ of the flatter direction from which on both tables are asked: of 80° and 85°.
+_HORIZON = (math.cos(math.radians(80.0)), math.cos(math.radians(85.0)))
 _LOBES, _ALIGNED, _STEADY, _REST, _SHARES, _ALONG = range(6)
 
 
@@ -48,15 +50,15 @@ class Axis:
             return mi.UInt32(0), mi.Float(0.0)
         if self.is_even:
             at = (x - self.first) * self.per_gap
-            low = dr.clip(dr.floor(at), 0.0, self.last)
-            return mi.UInt32(low), dr.clip(at - low, 0.0, 1.0)
-        place = dr.gather(mi.UInt32, self.guess, mi.UInt32(dr.clip((x - self.first) * self.per_bin, 0.0, 1023.0)))
+            low = clip(dr.floor(at), 0.0, self.last)
+            return mi.UInt32(low), clip(at - low, 0.0, 1.0)
+        place = dr.gather(mi.UInt32, self.guess, mi.UInt32(clip((x - self.first) * self.per_bin, 0.0, 1023.0)))
         for step in range(self.steps + 1):
             node = dr.gather(mi.Vector2f, self.low, place)
             share = (x - node.x) * node.y
             if step < self.steps:
                 place = dr.select((share >= 1.0) & (place < self.last), place + 1, place)
-        return place, dr.clip(share, 0.0, 1.0)
+        return place, clip(share, 0.0, 1.0)
 
 
 @dataclass
@@ -203,8 +205,8 @@ class Tables:
         a, b = light.theta, light.phi
         up_wave = 1 if self.waves > 1 else 0
         up_row, up_column = self.phis * self.waves, light.to_column
-        high, low = dr.maximum(dr.maximum(a, b), g), dr.minimum(dr.minimum(a, b), g)
-        middle = dr.maximum(dr.minimum(a, b), dr.minimum(dr.maximum(a, b), g))
+        high, low = dr.fmax(dr.fmax(a, b), g), dr.fmin(dr.fmin(a, b), g)
+        middle = dr.fmax(dr.fmin(a, b), dr.fmin(dr.fmax(a, b), g))
         # Which axis is stepped up first and which last; of equal shares λ is first, then θ.
         row_first, column_first = (a > g) & (a >= b), (b > g) & (b > a)
         row_last, column_last = (g >= a) & (b > a), (g >= b) & (a >= b)
@@ -254,7 +256,7 @@ class Tables:
                     sums[2 + k] += corner.weight * rest[k]
         per_cosine = dr.rcp(view.cos_phi)
         sums[0] *= per_cosine
-        sums[1] = sums[0] * dr.minimum(sums[1], 1.0)
+        sums[1] = sums[0] * dr.fmin(sums[1], 1.0)
         sums[6] *= per_cosine
         return _Across(*sums)
 
@@ -270,8 +272,8 @@ class Tables:
         return [total[g] for g in range(len(self.sigmas))]
 
     def _inverse_q(self, cos_theta: Any) -> list[Any]:
-        at = dr.sqrt(dr.minimum(cos_theta, 1.0)) * float(self.q_steps)
-        low = dr.minimum(dr.floor(at), float(self.q_steps - 1))
+        at = dr.sqrt(dr.fmin(cos_theta, 1.0)) * float(self.q_steps)
+        low = dr.fmin(dr.floor(at), float(self.q_steps - 1))
         share, k = at - low, mi.UInt32(low)
         row = [dr.gather(mi.Vector4f, self.inverse_q, k + step) for step in (0, 1)]
         return [dr.fma(share, row[1][g] - row[0][g], row[0][g]) for g in range(len(self.sigmas))]
@@ -295,10 +297,10 @@ class Tables:
 
     def _noise(self, draw: _Draw, x: Any, sum_z: Any, nm: Any) -> tuple[Any, Any]:
         """q and q' at x, in lengths."""
-        place = dr.fma(512.0, dr.clip(x, -512.0, 512.0), -0.5)
+        place = dr.fma(512.0, clip(x, -512.0, 512.0), -0.5)
         low = dr.floor(place)
         t, k = place - low, mi.Int32(low)
-        layer = dr.minimum(dr.fma(draw.height * sum_z, 2000.0 * math.pi * dr.rcp(nm), draw.base), 32768.0)
+        layer = dr.fmin(dr.fma(draw.height * sum_z, 2000.0 * math.pi * dr.rcp(nm), draw.base), 32768.0)
         base = dr.floor(layer)
         u = layer - base
         first = (mi.UInt32(base) & (_BASES - 1)) * _ROWS
@@ -321,7 +323,7 @@ class Tables:
     def _slope(self, light: _Light) -> Any:
         """κ, g and 1/l of achromatic instances."""
         a, b = light.theta, light.phi
-        high, low = dr.maximum(a, b), dr.minimum(a, b)
+        high, low = dr.fmax(a, b), dr.fmin(a, b)
         nearest = mi.Int32(light.node) // self.waves
         to_column = dr.select(light.to_column < 0, -1, 1)
         first = dr.select(a >= b, self.phis, to_column)
@@ -344,7 +346,7 @@ class Tables:
             one, two = (_speckle(across.mean, across.steady, q) for q in (first, second))
             value = dr.fma(across.fraction, one - two, two)
         a = 0.5 * dr.square(slope.x * sum_.x) * dr.rcp(sum_.z) * across.inverse_length
-        a = dr.minimum(a, 1e6)
+        a = dr.fmin(a, 1e6)
         a2 = a * a
         return value * (1.0 + slope.y * (draw.wing - 1.0) * a2 * dr.rcp(0.2 + 0.2 * a + 0.6 * a2 * a))
 
@@ -374,7 +376,7 @@ class Tables:
         instanced = valued and name is not None
         draw = self._draw(name, sum_.x) if instanced else None
         slope = self._slope(light) if instanced else None
-        facet = dr.clip(light.sign * sum_.x * dr.rcp(sum_.z), -1.0, 1.0)
+        facet = clip(light.sign * sum_.x * dr.rcp(sum_.z), -1.0, 1.0)
         values, densities = [], []
         for wavelength in nm:
             corners = self._corners(light, wavelength)
@@ -382,7 +384,7 @@ class Tables:
             p, density, chance = mi.Float(0.0), mi.Float(0.0), mi.Float(0.0)
             for of_set in range(self.sets):
                 across = self._across(of_set, light, corners, view, instanced, dense, valued)
-                across.fraction = dr.clip(dr.fma(across.fraction_slope, facet, across.fraction), 0.0, 1.0)
+                across.fraction = clip(dr.fma(across.fraction_slope, facet, across.fraction), 0.0, 1.0)
                 polarization = of_set + 1 if self.sets == 2 else self.polarization
                 if polarization is not None:
                     own = 2.0 * (across.fraction if polarization == 1 else 1.0 - across.fraction)
@@ -426,13 +428,35 @@ class Tables:
             first, second = dr.select(swapped, wo, wi), dr.select(swapped, wi, wo)
             values, _ = self._one_way(first, second, nm, name, contrast, True, False)
             scale = wo.z * dr.rcp(second.z)
-            values = [value * scale for value in values]
+            values = self._leveled([value * scale for value in values], (second, first), wo.z, nm, name, contrast)
         elif not is_plain:
             back, _ = self._one_way(wo, wi, nm, name, contrast, True, False)
             scale = wo.z * dr.rcp(wi.z)
             values = [0.5 * dr.fma(there, scale, here) for here, there in zip(values, back)]
         density = sum(densities, mi.Float(0.0)) * (1.0 / len(nm))
         return values, density
+
+    def _leveled(
+        self, values: list[Any], order: tuple[Any, Any], z: Any, nm: Sequence[Any], name: Any, contrast: Any
+    ) -> list[Any]:
+        """f z by the steeper direction's tables, on the way to the geometric mean with those of the flatter, which is the first of `order`,
+        where that one is near the horizon."""
+        flatter = order[0]
+        cosine = flatter.z * dr.rsqrt(dr.fma(flatter.x, flatter.x, flatter.z * flatter.z))
+        begins, ends = _HORIZON
+        horizon = clip((begins - cosine) * (1.0 / (begins - ends)), 0.0, 1.0)
+
+        def with_both(values: list[Any], flatter: Any, steeper: Any, horizon: Any) -> list[Any]:
+            others, _ = self._one_way(flatter, steeper, nm, name, contrast, True, False)
+            scale = z * dr.rcp(steeper.z)
+            means = [dr.sqrt(dr.fmax(value, 0.0)) * dr.sqrt(dr.fmax(other * scale, 0.0)) for value, other in zip(values, others)]
+            return [dr.fma(horizon, mean - value, value) for value, mean in zip(values, means)]
+
+        def as_they_are(values: list[Any], flatter: Any, steeper: Any, horizon: Any) -> list[Any]:
+            return values
+
+        found = dr.if_stmt((values, *order, horizon), horizon > 0.0, with_both, as_they_are)
+        return list(found)
 
     # -- steps 11 to 14 --
 
@@ -443,7 +467,7 @@ class Tables:
         """
         light = self._light(wi)
         place = u * float(len(nm))
-        number = dr.minimum(dr.floor(place), float(len(nm) - 1))
+        number = dr.fmin(dr.floor(place), float(len(nm) - 1))
         rest, wavelength = place - number, nm[0]
         for k in range(1, len(nm)):
             wavelength = dr.select(number == float(k), nm[k], wavelength)
@@ -467,7 +491,7 @@ class Tables:
             left = dr.select(here, rest / chance, left)
             is_drawn |= here & (rest < chance)
             rest = dr.select(is_drawn, rest, rest - chance)
-        left = dr.clip(left, 0.0, BELOW_1)
+        left = clip(left, 0.0, BELOW_1)
 
         lobes, aligned = self._row(at, _LOBES), self._row(at, _ALIGNED)
         m2, m = dr.select(is_second, lobes.y, lobes.x), dr.select(is_second, aligned.y, aligned.x)
@@ -483,7 +507,7 @@ class Tables:
         first, last = _student(low / a), _student(high / a)
         v = dr.lerp(first, last, u)
         h = dr.select(a > 1000.0, dr.lerp(low, high, u), a * self._student_quantile(v))
-        h = dr.clip(h, low, high)
+        h = clip(h, low, high)
         other = dr.sqrt(dr.fmax(1.0 - h * h, 0.0))
         # τ(φ) of φ/2 = asin h − φ_eff/2.
         sin_half, cos_half = h * cosine - other * sine, other * cosine + h * sine
@@ -496,8 +520,8 @@ class Tables:
         # s is (6π)^⅓ where δ = π.
         gap = (6.0 * math.pi) ** (1.0 / 3.0) / self.student_steps
         at = s * (1.0 / gap)
-        low = dr.clip(dr.floor(at), 0.0, float(self.student_steps - 1))
-        t, k = dr.clip(at - low, 0.0, 1.0), mi.UInt32(low)
+        low = clip(dr.floor(at), 0.0, float(self.student_steps - 1))
+        t, k = clip(at - low, 0.0, 1.0), mi.UInt32(low)
         here, there = (dr.gather(mi.Vector2f, self.student, k + step) for step in (0, 1))
         t2, t3 = t * t, t * t * t
         delta = (2.0 * t3 - 3.0 * t2 + 1.0) * here.x + (3.0 * t2 - 2.0 * t3) * there.x
@@ -514,7 +538,7 @@ class Tables:
         below, above = _ends(light.y)
         per_sigma = dr.rcp(sigma)
         p = dr.lerp(-dr.erf(below * per_sigma), dr.erf(above * per_sigma), u2)
-        t = dr.clip(sigma * dr.erfinv(dr.clip(p, -BELOW_1, BELOW_1)), -below, above)
+        t = clip(sigma * dr.erfinv(clip(p, -BELOW_1, BELOW_1)), -below, above)
         sine, cosine = 2.0 * t * dr.sqrt(dr.fmax(1.0 - t * t, 0.0)), 1.0 - 2.0 * t * t
         return sine * light.cos_theta - cosine * light.y, cosine * light.cos_theta + sine * light.y
 
@@ -547,6 +571,6 @@ def _student(x: Any) -> Any:
 
 
 def _speckle(mean: Any, steady: Any, q: Any) -> Any:
-    steady = dr.minimum(steady, mean)
+    steady = dr.fmin(steady, mean)
     half = 0.5 * (mean - steady)
     return dr.square(dr.sqrt(half) * q.x + dr.sqrt(steady)) + half * dr.square(q.y)

@@ -420,10 +420,15 @@ fn feather_one_way(pair: FeatherPair, wave: FeatherWave, draw: FeatherDraw) -> v
 
 // Step 9 ------------------------------------------------------------------------------------------------------------
 
+// cosφ of the flatter direction from which on both tables are asked: of 80° and 85°.
+const FEATHER_HORIZON = vec2f(0.17364818, 0.08715574);
+
 // Light and eye as the tables take them: in the order given, exchanged, or both ways.
 struct FeatherSeen {
     is_up: bool,
     is_both: bool,
+    // How near to the horizon the flatter direction of tables of the steeper one is: share of the geometric mean of both orders.
+    horizon: f32,
     there: FeatherPair,
     back: FeatherPair,
 }
@@ -438,14 +443,16 @@ fn feather_seen(wi: vec3f, wo: vec3f) -> FeatherSeen {
     let other = abs(wo.x) * wi.z;
     let is_steeper = other < own || (other == own && wo.z > wi.z);
     let is_alike = feather.flags.y == 1u;
-    if feather.flags.z == 1u && is_alike && is_steeper {
-        seen.there = feather_pair(wo, wi);
-    } else {
-        seen.there = feather_pair(wi, wo);
+    let is_by_steeper = feather.flags.z == 1u && is_alike;
+    if is_by_steeper {
+        let flatter = min(wi.z / length(wi.xz), wo.z / length(wo.xz));
+        seen.horizon = saturate((FEATHER_HORIZON.x - flatter) / (FEATHER_HORIZON.x - FEATHER_HORIZON.y));
     }
-    seen.is_both = feather.flags.z == 2u || (feather.flags.z == 1u && !is_alike);
+    let is_turned = is_by_steeper && is_steeper;
+    seen.there = feather_pair(select(wi, wo, is_turned), select(wo, wi, is_turned));
+    seen.is_both = feather.flags.z == 2u || (feather.flags.z == 1u && !is_alike) || seen.horizon > 0.0;
     if seen.is_both {
-        seen.back = feather_pair(wo, wi);
+        seen.back = feather_pair(select(wo, wi, is_turned), select(wi, wo, is_turned));
     }
     return seen;
 }
@@ -457,7 +464,12 @@ fn feather_values(seen: FeatherSeen, wave: FeatherWave, draw: FeatherDraw) -> ve
     }
     var values = feather_one_way(seen.there, wave, draw);
     if seen.is_both {
-        values = 0.5 * (values + feather_one_way(seen.back, wave, draw));
+        let back = feather_one_way(seen.back, wave, draw);
+        if seen.horizon > 0.0 {
+            values = mix(values, sqrt(max(values, vec2f(0.0))) * sqrt(max(back, vec2f(0.0))), seen.horizon);
+        } else {
+            values = 0.5 * (values + back);
+        }
     }
     return values;
 }
