@@ -99,8 +99,8 @@ enum Ending {
 fn done(words: &[std::ffi::OsString], out: &mut dyn Write) -> Result<(), Ending> {
     // No command can leave it out: what is read from here on, by readers of arguments too, is never written over.
     let _ledger = Ledger::open();
-    let matches = Cli::command().try_get_matches_from(words).map_err(Ending::Unclear)?;
-    let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut Cli::command())))?;
+    let matches = command().try_get_matches_from(words).map_err(Ending::Unclear)?;
+    let cli = Cli::from_arg_matches(&matches).map_err(|e| Ending::Unclear(e.format(&mut command())))?;
     outputs::check(&matches).and_then(|()| cli.command.run(out)).map_err(Ending::Failed)
 }
 
@@ -123,7 +123,7 @@ fn as_typed(sentence: String, words: &[std::ffi::OsString]) -> String {
     if is_typed(long) {
         return sentence;
     }
-    let command = Cli::command();
+    let command = command();
     let arguments = command.get_subcommands().flat_map(clap::Command::get_arguments);
     let mut synonyms = arguments
         .filter(|argument| argument.get_long() == Some(long))
@@ -171,5 +171,10 @@ fn unexpected(error: &clap::Error) -> Option<String> {
 /// The command-line definition, for shell completions and tests.
 #[must_use]
 pub fn command() -> clap::Command {
-    Cli::command()
+    with_negative_numbers(Cli::command())
+}
+
+/// So that -1 behind a flag is its value, and is refused as such where it is none.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    command.allow_negative_numbers(true).mut_subcommands(with_negative_numbers)
 }

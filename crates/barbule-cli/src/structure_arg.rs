@@ -5,7 +5,7 @@ use std::path::Path;
 use barbule::error::shortened;
 use barbule::io::{InputKind, kind_of};
 use barbule::open;
-use barbule::structure::{Lattice, Side, Smoothing, Structure};
+use barbule::structure::{Lattice, Section, Side, Smoothing, Structure};
 use barbule::{Error, Result};
 use clap::ValueEnum;
 
@@ -48,6 +48,19 @@ enum Lit {
 }
 
 impl SideArg {
+    /// Opens a structure as [`parse`] does, as it is lit, and says where there is nothing to average.
+    ///
+    /// # Errors
+    /// As [`parse`] and [`of`](Self::of).
+    pub(crate) fn open(self, text: &str, common: &Common) -> Result<Structure> {
+        let structure = parse(text, common)?;
+        let has_inclusions = |section: Section| !section.inclusions.is_empty();
+        if self.smooth.is_some() && !structure.instance(common.seed, 0).is_ok_and(has_inclusions) {
+            common.idle("--smooth", &format!("{} has no inclusions", structure.name()));
+        }
+        self.of(structure)
+    }
+
     /// The structure as it is lit.
     ///
     /// # Errors

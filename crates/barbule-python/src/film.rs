@@ -36,7 +36,7 @@ pub(crate) fn film<'py>(
         stack.doubt().iter().for_each(|doubt| progress.doubt(doubt));
         if !stack.is_random() {
             let found = sweep(&stack, &at, &angles, progress)?;
-            found.doubt(&stack)?.iter().for_each(|doubt| progress.doubt(doubt));
+            found.doubt(&stack).iter().for_each(|doubt| progress.doubt(doubt));
             return Ok((found, None));
         }
         let Ensemble { mean, unpolarized_std, .. } =

@@ -52,7 +52,7 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, out: &mut dyn Write) -> Result<()> {
         self.common.start_threads()?;
-        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
+        let structure = self.side.open(&self.structure, &self.common)?;
         let name = structure.name();
         let plan = self.campaign.plan(structure, &self.common)?;
         let options = FitOptions { halo: self.halo, ..self.fit.options()? };

@@ -167,7 +167,7 @@ impl Args {
         if self.figure.output.is_some() {
             figures::check_far_fields(&illuminations).map_err(|error| error.at("--output"))?;
         }
-        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
+        let structure = self.side.open(&self.structure, &self.common)?;
         let section = structure.instance(self.common.seed, self.instance)?;
         let solver = (self.solver.solver)(&self.settings());
         let found = self.scatter(&*solver.prepare(&section)?, &illuminations)?;

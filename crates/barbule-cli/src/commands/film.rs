@@ -143,7 +143,7 @@ impl Args {
                 );
             }
             let mean = film::sweep(stack, at, &angle, &progress)?;
-            mean.doubt(stack)?.iter().for_each(|doubt| self.common.say(doubt));
+            mean.doubt(stack).iter().for_each(|doubt| self.common.say(doubt));
             return Ok(Found { mean, angle_deg, spread: None });
         }
         let count = self.instances.map_or(USUAL_INSTANCES, |count| count as usize);

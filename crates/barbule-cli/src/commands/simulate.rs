@@ -59,7 +59,7 @@ impl Args {
         }
         let Some(path) = &self.output else { return Err(Error::input("give the store's name with -o")) };
         let shard = self.shard.unwrap_or(Shard::WHOLE);
-        let structure = self.side.of(structure_arg::parse(&self.structure, &self.common)?)?;
+        let structure = self.side.open(&self.structure, &self.common)?;
         let plan = self.campaign.plan(structure, &self.common)?;
         let kept = self.keep_fields.as_ref().map_or(&[][..], Wavelengths::nm);
         let width = self.campaign.width();

@@ -113,6 +113,11 @@ fn flags_that_change_nothing_are_said_in_one_line() {
         ),
         (vec!["geometry", "mallard", "--medium", &medium, "--json"], "nothing in mallard:lime is made of it"),
         (vec!["geometry", "starling", "--medium", &own, "--json"], ""),
+        (
+            "far-field starling --wavelength 550 --theta 0 --phi 0 --smooth 0.06".split(' ').collect(),
+            "--smooth has no effect here: starling:green has no inclusions",
+        ),
+        ("far-field hummingbird --wavelength 550 --theta 0 --phi 0 --smooth off".split(' ').collect(), ""),
         (vec!["geometry", "air/mix(mine,keratin,0.5):90/air", "--medium", &medium, "--json"], ""),
         (vec!["geometry", "starling", "--title", "x", "-o", &path("a.json")], "--title has no effect here"),
         (

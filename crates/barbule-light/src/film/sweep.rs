@@ -109,36 +109,39 @@ const LEAST_BENT: f64 = 1e-3;
 impl Sweep {
     /// What is doubtful about the wavelengths, in one sentence: they stand so far apart that fringes of thick layers lie between them.
     /// Found by what the stack reflects halfway between them at the steepest of the angles.
-    ///
-    /// # Errors
-    /// As [`super::response`].
-    pub fn doubt(&self, stack: &Stack) -> Result<Option<String>> {
+    #[must_use]
+    pub fn doubt(&self, stack: &Stack) -> Option<String> {
         let nm = self.at.nm();
         let steepest =
             (0..self.angle.len()).min_by(|&a, &b| self.angle[a].abs().total_cmp(&self.angle[b].abs()));
-        let (Some(row), FEWEST_OF_A_CURVE..) = (steepest, nm.len()) else { return Ok(None) };
+        let (Some(row), FEWEST_OF_A_CURVE..) = (steepest, nm.len()) else { return None };
         let reflected = &self.unpolarized()[row * nm.len()..][..nm.len()];
         let every = nm.len().div_ceil(MOST_MIDDLES);
-        let off = |step: usize| -> Result<f64> {
-            let middle = column(stack, 0.5 * (nm[step] + nm[step + 1]), &self.angle[row..=row], &Unobserved)?;
+        // Where a medium ends between two wavelengths there is nothing to hold them against.
+        let off = |step: usize| -> Option<f64> {
+            let nm = 0.5 * (nm[step] + nm[step + 1]);
+            let middle = column(stack, nm, &self.angle[row..=row], &Unobserved).ok()?;
             let found: f64 = middle.iter().flatten().map(|one| 0.5 * one.reflected).sum();
-            Ok(found - 0.5 * (reflected[step] + reflected[step + 1]))
+            Some(found - 0.5 * (reflected[step] + reflected[step + 1]))
         };
-        let off: Vec<f64> = (0..nm.len() - 1).step_by(every).map(off).collect::<Result<_>>()?;
+        let off: Vec<f64> = (0..nm.len() - 1).step_by(every).filter_map(off).collect();
+        if off.is_empty() {
+            return None;
+        }
         let square = |values: &[f64], mean: f64| {
             values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64
         };
         let mean = reflected.iter().sum::<f64>() / reflected.len() as f64;
         let (bent, varied) = (square(&off, 0.0).sqrt(), square(reflected, mean).sqrt());
         if bent < LEAST_BENT.max(MOST_BENT * varied) {
-            return Ok(None);
+            return None;
         }
         let widest = nm.array_windows().map(|[a, b]| b - a).fold(0.0, f64::max);
-        Ok(Some(format!(
+        Some(format!(
             "what the stack reflects rises and falls between wavelengths {} nm apart: fringes are missed, and peaks and colours that are read from these are not the stack's; take finer steps",
             // Differences of decimal fractions need not be one.
             (widest * 1e6).round() / 1e6
-        )))
+        ))
     }
 
     /// The reflectance of unpolarized light, shape `[angle, wavelength]`.
@@ -176,7 +179,7 @@ mod tests {
             let stack = Stack::parse(text, &Library::builtin()).unwrap();
             let nm: Vec<f64> = (0..=(300.0 / step) as u32).map(|k| 400.0 + step * f64::from(k)).collect();
             let at = Wavelengths::new(nm).unwrap();
-            sweep(&stack, &at, angle, &Unobserved).unwrap().doubt(&stack).unwrap()
+            sweep(&stack, &at, angle, &Unobserved).unwrap().doubt(&stack)
         };
         let said = doubt("air/keratin:10000/air", 6.0, &[1.0, 0.0]).unwrap();
         assert!(said.contains("between wavelengths 6 nm apart"), "{said}");

@@ -1,5 +1,6 @@
 //! Times of frames.
 
+use std::io::{IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
 use super::{FORMAT, pixels, shown};
@@ -30,8 +31,10 @@ impl Turning<'_> {
     /// Frames one after the other, each done before the next begins.
     fn timed(&mut self) -> Result<Times> {
         let Request { state, size, frames, .. } = self.request;
-        let mut times = Vec::new();
-        for _ in 0..frames.unwrap_or(FRAMES) {
+        let (mut times, count) = (Vec::new(), frames.unwrap_or(FRAMES));
+        let begun = Instant::now();
+        for frame in 0..count {
+            show_left(frame, count, begun.elapsed());
             self.turned_deg += TURN_DEG;
             self.seen.to_lamp = state.view().light.moved([self.turned_deg, 0.0]).direction();
             let start = Instant::now();
@@ -40,6 +43,7 @@ impl Turning<'_> {
             self.stage.gpu().wait()?;
             times.push(start.elapsed());
         }
+        show_left(count, count, begun.elapsed());
         times.sort();
         Ok(Times(times))
     }
@@ -53,6 +57,18 @@ impl Turning<'_> {
         self.stage.gpu().wait()?;
         Ok((frames, start.elapsed()))
     }
+}
+
+/// Says on a terminal how many frames are timed, once that takes long.
+fn show_left(done: u32, all: u32, elapsed: Duration) {
+    let mut terminal = std::io::stderr();
+    if done == 0 || elapsed < Duration::from_secs(2) || !terminal.is_terminal() {
+        return;
+    }
+    let left = elapsed.as_secs_f64() / f64::from(done) * f64::from(all - done);
+    let line = if done < all { format!("frame {done} of {all}, {left:.0} s left") } else { String::new() };
+    // Back to the start of the line, and clear what is behind the new words.
+    let _ = write!(terminal, "\r{line}\x1b[K");
 }
 
 impl std::fmt::Display for Times {

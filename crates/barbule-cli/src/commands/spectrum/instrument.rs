@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 use super::{Args, Asked};
 use crate::measured_args::Plane;
 use crate::provenance::csv_cell;
-use crate::{sets, structure_arg};
+use crate::sets;
 
 /// Largest standard deviation of tilts, degrees: beyond, barbules hide each other.
 const MOST_TILT_DEG: f64 = 30.0;
@@ -152,7 +152,7 @@ impl Args {
         {
             return Ok(Subject::Material(Box::new(found.material)));
         }
-        self.side.of(structure_arg::parse(text, &self.common)?).map(Subject::Structure)
+        self.side.open(text, &self.common).map(Subject::Structure)
     }
 
     /// What instruments read of a material, `[row][wavelength]`.

@@ -9,7 +9,7 @@ pub(super) const LINES: &[(&str, &str)] = &[
     ("film air/keratin:5/air --angels 3", "did you mean '--angles'"),
     ("render starling --brightness 2 -o @f.png", "unexpected argument '--brightness'; --help says"),
     ("--threads 0 film air/keratin:5/air", "--threads 0: give a number from 1 to 4096"),
-    ("film air/keratin:5/air --seed -1", "'-1'"),
+    ("film air/keratin:5/air --seed -1", "invalid value '-1' for '--seed"),
     ("film air/keratin:5/air --seed x", "invalid value 'x' for '--seed"),
     ("film air/keratin:5/air --threads 0", "--threads 0: give a number from 1 to 4096"),
     ("film air/keratin:5/air --threads 5000", "from 1 to 4096"),
