@@ -8,6 +8,7 @@ use barbule::campaign::Allowance;
 use barbule::characterize::{Found, Origin, Portions, as_filed};
 use barbule::io::available_memory;
 use barbule::io::store::Store;
+use barbule::material::Library;
 use barbule::math::simd::Width;
 use pyo3::prelude::*;
 
@@ -186,7 +187,7 @@ impl Campaign {
             let (material, hash) = as_filed(&self.portions.material(&fitted(sigma, halo), progress)?)?;
             Ok(Found { material, hash, origin: Origin::Memory })
         })?;
-        Material::of(py, found, Choices::default())
+        Material::of(py, found, Choices::default(), Library::default())
     }
 
     /// Ends what others see of this process in the store, which its first portion began.

@@ -10,6 +10,7 @@ use barbule::characterize::{
 };
 use barbule::io::available_memory;
 use barbule::io::store::Store;
+use barbule::material::Library;
 use barbule::progress::Shard;
 use barbule::{Error, Result};
 use pyo3::prelude::*;
@@ -63,7 +64,11 @@ pub(crate) fn characterize(
         let (material, hash) = as_filed(&made.material)?;
         Ok(Found { material, hash, origin: Origin::Memory })
     })?;
-    Material::of(py, found, Choices::default())
+    let media = match &structure.inner {
+        barbule::Structure::Species(model) => model.library.clone(),
+        _ => Library::default(),
+    };
+    Material::of(py, found, Choices::default(), media)
 }
 
 /// Fills a campaign's store, or goes on with it; how many units were computed and how many were there.
@@ -129,5 +134,5 @@ pub(crate) fn fit(
         let (material, hash) = as_filed(&material)?;
         Ok(Found { material, hash, origin: Origin::Memory })
     })?;
-    Material::of(py, found, Choices::default())
+    Material::of(py, found, Choices::default(), Library::default())
 }

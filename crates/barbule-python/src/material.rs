@@ -2,16 +2,18 @@
 
 use std::borrow::Cow;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use barbule::brdf::{FeatherBrdf, FeatherMaterial, Numbers, Options, Reciprocity, TableArray};
-use barbule::bsdf::{Keratin, Reflectance};
-use barbule::characterize::{Found, Origin};
+use barbule::bsdf::{Arch, Keratin, Reflectance};
+use barbule::characterize::{Barbules, Catalog, Found, Origin};
 use barbule::io::{self, encode_material};
-use barbule::open;
+use barbule::material::Library;
+use barbule::open::{self, Opening};
 use barbule::scattering::far_field::Polarization;
 use barbule::scattering::lobe::FitKind;
 use barbule::scattering::statistics::Sides;
-use barbule::{Error, Result};
+use barbule::{Error, Result, Unobserved};
 use numpy::ndarray::{ArrayViewD, IxDyn};
 use numpy::{
     Element, PyArray1, PyArray2, PyArrayDyn, PyArrayMethods as _, PyReadonlyArray1, PyReadonlyArray2,
@@ -34,6 +36,10 @@ pub(crate) struct Material {
     pub(crate) brdf: FeatherBrdf,
     pub(crate) hash: String,
     source: String,
+    /// The media that it was opened with.
+    media: Library,
+    /// Found when a place is first asked for.
+    arch: OnceLock<Option<Arch>>,
 }
 
 /// How a material is evaluated, as Python says it.
@@ -63,7 +69,7 @@ impl Choices {
 }
 
 impl Material {
-    pub(crate) fn of(py: Python<'_>, found: Found, choices: Choices) -> PyResult<Self> {
+    pub(crate) fn of(py: Python<'_>, found: Found, choices: Choices, media: Library) -> PyResult<Self> {
         let options = choices.options().or_raise(py)?;
         let source = match &found.origin {
             Origin::Shipped(_) => "shipped".to_owned(),
@@ -71,7 +77,18 @@ impl Material {
             Origin::Memory => "memory".to_owned(),
         };
         let brdf = py.detach(|| FeatherBrdf::new(&found.material, options)).or_raise(py)?;
-        Ok(Self { material: found.material, brdf, hash: found.hash, source })
+        Ok(Self { material: found.material, brdf, hash: found.hash, source, media, arch: OnceLock::new() })
+    }
+
+    /// The arch of the barbules that it was made of; none where they are flat.
+    fn arch(&self) -> Result<Option<Arch>> {
+        if let Some(known) = self.arch.get() {
+            return Ok(*known);
+        }
+        let given = |name: &str| open::structure(name, &Opening::default(), &Unobserved);
+        let barbules = Barbules::of(&self.material, self.media.clone(), &given, Catalog::default());
+        let arch = barbules.and_then(|barbules| barbules.arch()).map_err(|e| e.at("'place'"))?;
+        Ok(*self.arch.get_or_init(|| arch))
     }
 }
 
@@ -117,7 +134,8 @@ impl Material {
         let opening = Given { media, cache, seed, may_compute }.opening().or_raise(py)?;
         let how = How::new(threads, progress);
         let found = how.run(py, |progress| open::material(text, &opening, progress))?;
-        Self::of(py, found, Choices { reciprocity, sigma, polarization })
+        let media = opening.media.library().clone();
+        Self::of(py, found, Choices { reciprocity, sigma, polarization }, media)
     }
 
     /// f `[row, wavelength]`, 1/sr; rows of each argument are one or as many as there are values.
@@ -142,6 +160,32 @@ impl Material {
             batch.eval(&self.brdf, names)
         })?;
         shaped(py, values.or_raise(py)?, &[count, waves])
+    }
+
+    /// How much of a value comes from a place, −1 to 1 across, over the mean of the width, `[row]`.
+    #[pyo3(signature = (place, wi, wo, count))]
+    fn shares_rows<'py>(
+        &self,
+        py: Python<'py>,
+        place: f64,
+        wi: PyReadonlyArray2<'py, f64>,
+        wo: PyReadonlyArray2<'py, f64>,
+        count: usize,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let [wi, wo] = [&wi, &wo].map(slice2);
+        let (wi, wo) = (wi.or_raise(py)?, wo.or_raise(py)?);
+        let shares = py.detach(|| {
+            if !(-1.0..=1.0).contains(&place) {
+                return Err(Error::input(format!("'place' is {place}; give a number from -1 to 1")));
+            }
+            let (wi, wo) = (Rows::new("wi", wi, 3, count)?, Rows::new("wo", wo, 3, count)?);
+            let arch = self.arch()?;
+            let one = |row: usize| {
+                arch.map_or(1.0, |arch| arch.share(place, vector(wo.at(row)), vector(wi.at(row))))
+            };
+            Ok((0..count).into_par_iter().map(one).collect::<Vec<_>>())
+        });
+        Ok(PyArray1::from_vec(py, shares.or_raise(py)?))
     }
 
     /// Densities `[row, wavelength]`, 1/sr.

@@ -66,7 +66,8 @@ pub(crate) fn open<'py>(
     let opened = How::new(threads, progress).run(py, |progress| opened_as(text, &opening, progress))?;
     match opened {
         Opened::Material(found) => {
-            Ok(Bound::new(py, Material::of(py, *found, Default::default())?)?.into_any())
+            let media = opening.media.library().clone();
+            Ok(Bound::new(py, Material::of(py, *found, Default::default(), media)?)?.into_any())
         }
         Opened::Structure(found) => Ok(Bound::new(py, structure::Structure::of(found))?.into_any()),
         _ => Err(barbule::Error::input("this is nothing that Python can hold yet")).or_raise(py),

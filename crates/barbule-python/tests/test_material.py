@@ -72,6 +72,21 @@ def test_bad_arguments_are_refused(starling):
     assert float(starling.eval(550, [0, 0, 1], [0, 0, -1])) == 0.0
 
 
+def test_places_of_an_arch_have_the_whole_for_their_mean(starling):
+    dove = barbule.Material.load("rock-dove")
+    wi, wo = [0, 0, 1], [np.sin(0.4), 0, np.cos(0.4)]
+    whole = dove.eval(NM, wi, wo, instance=[3, 4])
+    places = (np.arange(40) + 0.5) / 20 - 1
+    each = np.array([dove.eval(NM, wi, wo, instance=[3, 4], place=x) for x in places])
+    np.testing.assert_allclose(each.mean(0), whole, rtol=2e-3)
+    # Half-way between both directions normals lean towards +x.
+    assert places[each[:, 0, 0].argmax()] > 0.3 and each.max() > 1.5 * whole.max()
+    np.testing.assert_array_equal(starling.eval(NM, wi, wo, place=-1), starling.eval(NM, wi, wo))
+    for bad in (1.1, np.nan):
+        with pytest.raises(barbule.InputError, match="'place' is .*; give a number from -1 to 1"):
+            dove.eval(NM, wi, wo, place=bad)
+
+
 def test_samples_follow_their_density_and_carry_the_albedo(starling):
     """∫ f cosθ dω by samples is the albedo; ∫ pdf dω over the hemisphere is 1."""
     random = np.random.default_rng(5)

@@ -7,7 +7,10 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use barbule::brdf::pictures::projected_grid;
-use barbule::brdf::{FeatherBrdf, Marginal, Options, Reciprocity, marginals, reflected_fractions, values};
+use barbule::brdf::{
+    FeatherBrdf, FeatherMaterial, Marginal, Options, Reciprocity, marginals, reflected_fractions, values,
+};
+use barbule::bsdf::Arch;
 use barbule::error::shortened;
 use barbule::figures;
 use barbule::io::{Coordinate, LabelledArrays, Numbers, Quantity};
@@ -22,7 +25,9 @@ use crate::common::{Common, print, print_json};
 use crate::materials;
 use crate::progress::Terminal;
 use crate::provenance::{Provenance, check_outputs};
-use asked::{Direction, Instances, Wavelengths, angles_of, direction, instances, towards, wavelengths};
+use asked::{
+    Direction, Instances, Wavelengths, angles_of, direction, instances, place, towards, wavelengths,
+};
 use output::{Answer, Form, INCIDENT, INSTANCE};
 
 /// Most values of one run as text: instances times incident directions, wavelengths, and outgoing directions or azimuths.
@@ -57,6 +62,7 @@ Examples:
   barbule brdf starling --wavelength 520 --wi 0,30 --wo 0,-30 --wo 0,-20
   barbule brdf starling --wavelength 450,550,650 --wi 0,0 --wo-grid 64 --instance 3 --csv grid.csv
   barbule brdf starling --wavelength 520 --wi 0,60 --wo 0,-20 --reciprocity steeper
+  barbule brdf rock-dove --wavelength 520 --wi 0,30 --wo 0,10 --place 0.9
   barbule brdf starling --wavelength 520 --wi 0,30 --instance 0:59:1 --wo-grid 9 -o g.zarr
   barbule brdf starling --wavelength 400:694:6 --wi 0,30 --marginal --json";
 
@@ -94,6 +100,10 @@ pub(crate) struct Args {
     /// Which instance, from 0 to 2⁶⁴ − 1, or a set of them, as in 0:59:1; without it the smooth mean
     #[arg(long, value_name = "K", allow_hyphen_values = true, value_parser = instances)]
     instance: Option<Instances>,
+    /// What one place across the barbule gives of it, from -1 to 1 as x goes: where its section is an arch, each place mirrors its own
+    /// pairs of directions [default: the whole barbule]
+    #[arg(long, value_name = "X", allow_hyphen_values = true, value_parser = place)]
+    place: Option<f64>,
     /// Incident polarization: of the electric field along e₁ (1) or e₂ (2), or unpolarized light
     #[arg(long, value_enum, default_value_t = Light::Mean)]
     polarization: Light,
@@ -168,11 +178,12 @@ impl Args {
         // Only what decides the values is prepared.
         let brdf = FeatherBrdf::new(&material.around(&self.wavelength.0)?, options)?;
         let incoming = self.incoming();
+        let on_arch = self.on_arch(&material)?;
         let title = self.title(&figures::title(&material), &incoming);
         let answer = if self.marginal {
             self.marginal(&brdf, &title, &incoming)?
         } else {
-            self.values(&brdf, &title, &incoming)?
+            self.values(&brdf, on_arch, &title, &incoming)?
         };
         self.say_flagged(&answer, &incoming);
         let provenance =
@@ -197,6 +208,7 @@ impl Args {
                 "material": self.material,
                 "material_hash": hash,
                 "instance": null,
+                "place": self.place,
                 "polarization": self.polarization.name(),
                 "reciprocity": brdf.reciprocity().word(),
                 "sigma": brdf.sigma(),
@@ -230,6 +242,9 @@ impl Args {
         if self.marginal && self.reciprocity != Reciprocity::AsFitted {
             return refuse("--marginal is of the lobes as they were fitted; leave --reciprocity out".into());
         }
+        if self.marginal && self.place.is_some() {
+            return refuse("--marginal is of the whole barbule; leave --place out".into());
+        }
         self.check_count(form)?;
         if form == Some(Form::Figure) {
             if !self.wo.is_empty() {
@@ -246,6 +261,22 @@ impl Args {
             }
         }
         Ok(())
+    }
+
+    /// The arch and the place asked for; none of whole barbules and of flat ones, all of whose places reflect the same.
+    fn on_arch(&self, material: &FeatherMaterial) -> Result<Option<(Arch, f64)>> {
+        let Some(x) = self.place else { return Ok(None) };
+        let arch = materials::barbules(material, &self.common).and_then(|barbules| barbules.arch());
+        let arch = arch.map_err(|e| e.at("--place"))?;
+        match arch {
+            None => self.common.say("these barbules are flat: all places across them reflect the same"),
+            Some(arch) => self.common.explain(&format!(
+                "normals lean from {:.1}° at x = -1 to {:.1}° at x = 1",
+                arch.low.to_degrees(),
+                arch.high.to_degrees()
+            )),
+        }
+        Ok(arch.map(|arch| (arch, x)))
     }
 
     /// Refuses more values than can be written or held.
@@ -317,7 +348,8 @@ impl Args {
             Reciprocity::Steeper => ", by the steeper direction",
             Reciprocity::Mean => ", mean of both orders",
         };
-        format!("{material}, {which}, {}, {from}{order}", self.polarization.words())
+        let place = self.place.map(|x| format!(", place {x}")).unwrap_or_default();
+        format!("{material}, {which}, {}, {from}{place}{order}", self.polarization.words())
     }
 
     /// The axes that both kinds of values share, with the outgoing one.
@@ -359,7 +391,13 @@ impl Args {
         arrays
     }
 
-    fn values(&self, brdf: &FeatherBrdf, title: &str, incoming: &[(Direction, DVec3)]) -> Result<Answer> {
+    fn values(
+        &self,
+        brdf: &FeatherBrdf,
+        on_arch: Option<(Arch, f64)>,
+        title: &str,
+        incoming: &[(Direction, DVec3)],
+    ) -> Result<Answer> {
         let nm = &self.wavelength.0;
         let grid = self.wo_grid.map(projected_grid);
         let asked = || self.wo.iter().map(|wo| towards(*wo)).collect();
@@ -381,9 +419,11 @@ impl Args {
                 if progress.is_cancelled() {
                     return Err(Error::interrupted());
                 }
-                for value in values(brdf, nm, *wi, &wo, name).into_iter().flatten() {
-                    for (to, value) in quantities.iter_mut().zip([value.f, value.steady, value.pdf]) {
-                        to.values.push(value);
+                for row in values(brdf, nm, *wi, &wo, name) {
+                    for (value, wo) in row.into_iter().zip(&wo) {
+                        let share = on_arch.map_or(1.0, |(arch, x)| arch.share(x, *wo, *wi));
+                        let numbers = [share * value.f, share * value.steady, value.pdf];
+                        quantities.iter_mut().zip(numbers).for_each(|(to, number)| to.values.push(number));
                     }
                 }
                 progress.advance(1);

@@ -74,6 +74,46 @@ fn values_are_reciprocal_where_that_is_asked_for() {
     assert!(message.contains("leave --reciprocity out"));
 }
 
+/// Where a cross-section is an arch its places share the whole's light out, each towards where it faces; flat ones do not.
+#[test]
+fn places_of_an_arch_have_the_whole_for_their_mean() {
+    let of = |name: &str, wo: &str, place: Option<f64>| {
+        let mut words = vec![name.to_owned()];
+        words.extend(
+            ["--wavelength", "450,550", "--wi", "0,10", "--instance", "5", "--wo", wo].map(str::to_owned),
+        );
+        words.extend(place.into_iter().flat_map(|x| ["--place".to_owned(), x.to_string()]));
+        let found = document(&words.iter().map(String::as_str).collect::<Vec<_>>());
+        assert_eq!(found["place"].as_f64(), place);
+        let [f, s, pdf] = ["f", "s", "pdf"].map(|key| table(&found[key]));
+        [f[0][0], f[1][0], s[0][0], pdf[0][0]]
+    };
+    for (wo, brightest) in [("0,-10", 0.0), ("0,20", 0.75), ("1,-50", -1.0)] {
+        let whole = of("rock-dove", wo, None);
+        let (mut mean, mut best, steps) = ([0.0; 4], (0.0, 0.0), 16);
+        for k in 0..steps {
+            let x = (2.0 * f64::from(k) + 1.0) / f64::from(steps) - 1.0;
+            let here = of("rock-dove", wo, Some(x));
+            (0..4).for_each(|n| mean[n] += here[n] / f64::from(steps));
+            best = if here[0] > best.1 { (x, here[0]) } else { best };
+        }
+        // Sixteen steps of a Gaussian that ends at the edges.
+        for (mean, whole) in mean.iter().zip(whole) {
+            assert!((mean / whole - 1.0).abs() < 0.01, "{wo}: {mean} {whole}");
+        }
+        assert!((best.0 - brightest).abs() < 0.2, "{wo}: {best:?}");
+    }
+    assert_eq!(of("starling", "0,-10", Some(0.7)), of("starling", "0,-10", None));
+    for (words, expected) in [
+        (["--wo", "0,0", "--place", "1.5"].as_slice(), "--place 1.5: write a number from -1 to 1"),
+        (["--marginal", "--place", "0"].as_slice(), "leave --place out"),
+    ] {
+        let (code, _, message) =
+            run(&[&["brdf", "rock-dove", "--wavelength", "550", "--wi", "0,0"], words].concat());
+        assert!(code == 2 && message.contains(expected), "{message}");
+    }
+}
+
 /// The lower side of a species that ships with both: a material of its own.
 #[test]
 fn undersides_have_values_of_their_own() {

@@ -1,5 +1,6 @@
 //! What a barbule is made of: sections, stacks, species and their random instances.
 
+mod arch;
 mod cast;
 mod chain;
 mod check;
@@ -52,9 +53,6 @@ use crate::{Error, Result, identity};
 
 /// Individuals that one campaign or mean is made of, at most.
 pub const MOST_INSTANCES: usize = 10_000;
-
-/// Top boundaries whose ends slope by more than this against each other are curved, as tangents.
-const CURVED_SLOPE: f64 = 0.3;
 
 /// What a command works on: endless random individuals of a species or of a stack, or given sections.
 #[derive(Debug, Clone, PartialEq)]
@@ -241,7 +239,9 @@ impl Structure {
         match self {
             Self::Species(model) => model.is_curved(),
             Self::Stack(_) => false,
-            Self::Sections { sections, .. } => sections.first().is_some_and(|section| is_arch(section.top())),
+            Self::Sections { sections, .. } => {
+                sections.first().is_some_and(|section| arch::is_arch(section.top()))
+            }
             Self::Below(upper) => upper.is_curved(),
         }
     }
@@ -322,16 +322,4 @@ fn below(mut upper: Value) -> Value {
         fields.insert("side".into(), "below".into());
     }
     upper
-}
-
-/// Whether the slopes of the left and the right third of a curve differ as an arch's do.
-fn is_arch(top: &Polyline) -> bool {
-    let count = top.x_um.len();
-    if count < 3 {
-        return false;
-    }
-    let (left, right) = (top.x_um[0], top.x_um[count - 1]);
-    let third = (right - left) / 3.0;
-    let slope = |from: f64, to: f64| (top.height(to) - top.height(from)) / (to - from);
-    slope(left, left + third) - slope(right - third, right) > CURVED_SLOPE
 }

@@ -93,6 +93,7 @@ class Material:
         wo: ArrayLike,
         instance: ArrayLike | None = None,
         *,
+        place: float | None = None,
         threads: int | None = None,
     ) -> NDArray[np.float32]:
         """f in 1/sr, without the cosine; 0 where either direction is below the surface.
@@ -103,6 +104,8 @@ class Material:
             wi: Towards the light, ``[..., 3]``.
             wo: Towards the eye, ``[..., 3]``.
             instance: Names of barbules, whole numbers ``[...]``, each with a speckle of its own; the mean over all without.
+            place: What one place across the barbule gives of it, from -1 to 1 as x goes: where its section is an arch, each place
+                mirrors its own pairs of directions. The whole barbule's without, which is the mean over places.
             threads: Threads; all cores without a number.
 
         Returns:
@@ -110,6 +113,8 @@ class Material:
         """
         rows = _Rows(wavelengths_nm, wi, wo, instance=instance)
         found = self._native.eval_rows(rows.nm, rows.wi, rows.wo, rows.instance, rows.count, threads)
+        if place is not None:
+            found *= self._native.shares_rows(float(place), rows.wi, rows.wo, rows.count)[:, None].astype(np.float32)
         return rows.shaped(found)
 
     def pdf(

@@ -380,6 +380,9 @@ class Material:
         count: int,
         threads: int | None,
     ) -> NDArray[np.float32]: ...
+    def shares_rows(
+        self, place: float, wi: NDArray[np.float64], wo: NDArray[np.float64], count: int
+    ) -> NDArray[np.float64]: ...
     def pdf_rows(
         self,
         wavelengths_nm: NDArray[np.float64],

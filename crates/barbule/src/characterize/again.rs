@@ -3,6 +3,7 @@
 use super::{CampaignDescription, Catalog, unrecorded};
 use crate::Result;
 use crate::brdf::FeatherMaterial;
+use crate::bsdf::Arch;
 use crate::campaign::{Campaign, CampaignParameters, Resources};
 use crate::material::Library;
 use crate::progress::Progress;
@@ -52,6 +53,15 @@ impl Barbules {
         let structure = structure.filter(|structure| structure.description() == *recorded);
         let structure = structure.ok_or_else(unrecorded)?.smoothed(campaign.smooth_um.into());
         Ok(Self { structure, campaign, catalog })
+    }
+
+    /// The arch of the barbules' cross-sections, of which each place mirrors its own pairs of directions; none of flat ones.
+    ///
+    /// # Errors
+    /// Individuals that cannot be made.
+    pub fn arch(&self) -> Result<Option<Arch>> {
+        let normals = self.structure.edge_normals(self.campaign.seed)?;
+        Ok(normals.and_then(|normals| Arch::between(normals, self.structure.width_um())))
     }
 
     /// The campaign that the material was made in, on other axes; with so many instances, or without tilt, where asked.

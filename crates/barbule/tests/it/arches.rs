@@ -1,10 +1,12 @@
 //! Arches are lit from edge to edge: what campaigns make of their places, against whole sections under plane waves.
 
+use barbule::bsdf::Arch;
 use barbule::campaign::{Campaign, CampaignParameters, PLACES, Resources, places, statistics};
 use barbule::progress::Unobserved;
-use barbule::scattering::directions::azimuths;
+use barbule::scattering::directions::{azimuths, omega};
 use barbule::scattering::far_field::{Illumination, IncidentLight, Polarization, Window};
 use barbule::scattering::statistics::{AZIMUTHS, Axes, Statistics};
+use barbule::scene::description::SceneDescription;
 use barbule::solve::surface::{Accuracy, Barbule, CAMPAIGN_ELEMENT_UM, far_field};
 use barbule::spectrum::Wavelengths;
 use barbule::structure::Structure;
@@ -62,6 +64,23 @@ fn half_light_deg(u: &[f64], phi_deg: f64) -> f64 {
         .unwrap()[0]
 }
 
+/// What the middle of an arch would send of a whole's light if each place sent what its share says, lit by a window of a quarter of the
+/// width as campaigns' are.
+fn of_the_middle(whole: &[f64], arch: Arch, phi_i: f64) -> Vec<f64> {
+    const STEPS: i32 = 200;
+    let wi = omega(0.0, phi_i);
+    let places = (0..STEPS).map(|k| 2.0 * (f64::from(k) + 0.5) / f64::from(STEPS) - 1.0);
+    let lit: Vec<[f64; 2]> = places.map(|x| [x, (-8.0 * x * x).exp()]).collect();
+    let total: f64 = lit.iter().map(|[_, power]| power).sum();
+    azimuths(AZIMUTHS)
+        .zip(whole)
+        .map(|(phi_o, u)| {
+            let share: f64 = lit.iter().map(|[x, power]| power * arch.share(*x, omega(0.0, phi_o), wi)).sum();
+            u * share / total
+        })
+        .collect()
+}
+
 /// One given arch serves all places and tilts.
 #[test]
 fn a_single_arch_is_lit_at_all_places() {
@@ -79,6 +98,21 @@ fn a_single_arch_is_lit_at_all_places() {
     assert!((v / u - 1.0).abs() < 1e-4, "{u} {v}");
 }
 
+/// Pictures share light out over the arch that was simulated.
+#[test]
+fn presets_have_the_simulated_arches() {
+    for preset in ["rock-dove", "rock-dove-neck", "dove-bird", "peafowl"] {
+        let scene = SceneDescription::named(preset).unwrap();
+        let species = if preset == "peafowl" { preset } else { "rock-dove" };
+        let normals = Structure::builtin(species).unwrap().edge_normals(SEED).unwrap().unwrap();
+        let distal = &scene.feather().unwrap().distal;
+        for (known, normal) in [distal.arch_low, distal.arch_high].into_iter().zip(normals) {
+            assert!((known - normal).to_degrees().abs() < 0.2, "{preset}: {known} {normal}");
+        }
+    }
+    assert_eq!(Structure::builtin("starling").unwrap().edge_normals(SEED).unwrap(), None);
+}
+
 #[test]
 fn places_of_an_arch_together_are_the_whole_of_it() {
     // Individuals of the peafowl are alike, and each takes a crystal's solution.
@@ -87,6 +121,9 @@ fn places_of_an_arch_together_are_the_whole_of_it() {
         let structure = Structure::builtin(species).unwrap();
         assert_eq!(places(&structure, instances), PLACES);
         let (all, middle) = (simulated(&structure, instances, PLACES), simulated(&structure, instances, 1));
+        let normals = structure.edge_normals(SEED).unwrap().unwrap();
+        let arch = Arch::between(normals, structure.width_um()).unwrap();
+        println!("{species}: normals lean by {:.1?} degrees", normals.map(f64::to_degrees));
         let mut apart = [0.0f64; 2];
         for (wave, nm) in NM.into_iter().enumerate() {
             for (phi, cosine) in all.axes.cos_phi().iter().enumerate() {
@@ -95,9 +132,15 @@ fn places_of_an_arch_together_are_the_whole_of_it() {
                 let [lit, of_middle] =
                     [&all, &middle].map(|of| half_light_deg(&unpolarized(of, wave, phi), phi_deg));
                 let truth = half_light_deg(&mean, phi_deg);
+                let shared = half_light_deg(&of_the_middle(&mean, arch, phi_deg.to_radians()), phi_deg);
                 let reflected = unpolarized(&all, wave, phi).iter().sum::<f64>() / mean.iter().sum::<f64>();
                 println!(
-                    "{species} {nm} nm, {phi_deg:.0}°: whole ±{truth:.2}°, places ±{lit:.2}°, middle ±{of_middle:.2}°; reflected {reflected:.3}"
+                    "{species} {nm} nm, {phi_deg:.0}°: whole ±{truth:.2}°, places ±{lit:.2}°, middle ±{of_middle:.2}°, by shares ±{shared:.2}°; reflected {reflected:.3}"
+                );
+                // A circle's share and a window's blur: near enough to tell a place from the whole.
+                assert!(
+                    (0.75..1.6).contains(&(shared / of_middle)),
+                    "{species} {nm} {phi_deg}: {shared} {of_middle}"
                 );
                 apart = [apart[0].max((lit / truth - 1.0).abs()), apart[1].max(1.0 - of_middle / truth)];
                 assert!((reflected - 1.0).abs() < bound, "{species} {nm} {phi_deg}: {reflected}");

@@ -68,6 +68,22 @@ pub struct Arch {
 }
 
 impl Arch {
+    /// The arch of a width, µm, whose edges' normals lean so, rad; none where they lean alike, which is flat.
+    #[must_use]
+    pub fn between([first, second]: [f64; 2], width_um: f64) -> Option<Self> {
+        let (low, high) = (first.min(second), first.max(second));
+        let half_width_um = 0.5 * width_um;
+        let radius_um = 2.0 * half_width_um / (libm::sin(high) - libm::sin(low)).max(LEAST_ARCH);
+        let blur = (GREEN_UM * radius_um).sqrt() / half_width_um;
+        (high - low > LEAST_ARCH).then_some(Self { low, high, blur })
+    }
+
+    /// How much of the light between two directions comes from the place x, −1 … 1 across, over the mean of the width.
+    #[must_use]
+    pub fn share(self, x: f64, wo: DVec3, wi: DVec3) -> f64 {
+        OnArch { arch: self, x, blur: self.blur }.share(wo, wi)
+    }
+
     #[inline]
     pub(super) fn at(self, hit: &Hit) -> OnArch {
         let half_width = hit.ribbon.half_width;
@@ -104,6 +120,12 @@ impl OnArch {
         libm::exp(-0.5 * d * d) / (self.blur * (2.0 * PI).sqrt() * mean)
     }
 }
+
+/// Less of a slope between the edges is flat.
+const LEAST_ARCH: f64 = 1e-3;
+
+/// The wavelength that blurs arches.
+const GREEN_UM: f64 = 0.55;
 
 /// Over this blur the width is even within a few percent.
 const MOST_BLUR: f64 = 3.0;

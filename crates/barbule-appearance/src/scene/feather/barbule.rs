@@ -38,27 +38,14 @@ impl BarbuleShape {
     /// How such barbules differ from place to place.
     #[must_use]
     pub fn cells(&self, disorder: &Disorder) -> Cells {
-        let (low, high) = (self.arch_low.min(self.arch_high), self.arch_low.max(self.arch_high));
-        let half_width_um = 0.5 * self.width_um;
-        let radius_um = 2.0 * half_width_um / (libm::sin(high) - libm::sin(low)).max(LEAST_ARCH);
         Cells {
             size: disorder.cell_size,
             barbule_size: disorder.barbule_size,
             wall_mm: 1e-3 * self.wall_um,
-            arch: (high - low > LEAST_ARCH).then(|| Arch {
-                low,
-                high,
-                blur: (GREEN_UM * radius_um).sqrt() / half_width_um,
-            }),
+            arch: Arch::between([self.arch_low, self.arch_high], self.width_um),
         }
     }
 }
-
-/// Less of a slope between the edges is flat.
-const LEAST_ARCH: f64 = 1e-3;
-
-/// The wavelength that blurs arches.
-const GREEN_UM: f64 = 0.55;
 
 /// Adds the barbules of one side of a barb (0: towards the feather's tip, 1: the other) whose bases lie in the window. `roll`, rad:
 /// see [`super::envelope::roll`].

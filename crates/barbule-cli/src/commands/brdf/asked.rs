@@ -31,6 +31,16 @@ pub(super) fn direction(flag: &str, text: &str) -> Result<Direction> {
     }
 }
 
+pub(super) fn place(text: &str) -> Result<f64> {
+    let refuse = || {
+        Error::input(format!(
+            "--place {}: write a number from -1 to 1, as x goes across the barbule",
+            shortened(text)
+        ))
+    };
+    text.trim().parse::<f64>().ok().filter(|x| (-1.0..=1.0).contains(x)).ok_or_else(refuse)
+}
+
 /// A set of whole numbers: of 64 bits, none of which a floating-point number would keep.
 pub(super) fn instances(text: &str) -> Result<Instances> {
     let refuse = || {

@@ -327,7 +327,7 @@ impl Generator for Multilayer {
     }
 
     fn is_curved(&self) -> bool {
-        super::super::is_arch(&self.shape())
+        crate::structure::arch::is_arch(&self.shape())
     }
 
     fn media(&self) -> Vec<(String, &str)> {
