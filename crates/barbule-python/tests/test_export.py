@@ -61,7 +61,7 @@ def test_mitsuba_reads_what_was_said(tmp_path: Path) -> None:
     said = barbule.export("starling", "bsdf", path, size_mb=5.0, progress=False)
     mi.set_variant("scalar_spectral")
     bsdf = mi.load_dict({"type": "measured", "filename": str(path)})
-    starling = barbule.Material.load("starling")
+    starling = barbule.Material.load("starling", reciprocity="steeper")
     random = np.random.default_rng(2)
     nm = [433.0, 487.0, 541.0, 633.0]
     context, si = mi.BSDFContext(), mi.SurfaceInteraction3f()

@@ -10,7 +10,7 @@ use super::gonio::{Gonio, GonioGrid};
 use super::osl::OslMaterial;
 use super::scene::{ExportOptions, Exported};
 use super::{BsdfTable, Deviation, Flavour, Model, usd};
-use crate::brdf::FeatherBrdf;
+use crate::brdf::{FeatherBrdf, Reciprocity};
 use crate::io::image::{encode_exr, write_exr};
 use crate::io::{
     FEW_BARBULES, MOST_WRITTEN_BARBULES, WRITTEN_IDENTITY, bytes_of, check_writable, encode_bsdf,
@@ -202,7 +202,9 @@ impl Request<'_> {
     }
 
     fn bsdf(&self, brdf: &FeatherBrdf, flavour: Flavour, progress: &dyn Progress) -> Result<Written> {
-        let (bytes, table) = self.table(brdf, flavour, progress)?;
+        // As scenes draw the material, and as their tables of pbrt are.
+        let brdf = brdf.reciprocal_by(Reciprocity::Steeper);
+        let (bytes, table) = self.table(&brdf, flavour, progress)?;
         write_whole(self.path, &bytes)?;
         let (r, channels) = (&table.resolution, table.channels());
         let what = format!("{} × {} directions, {channels} × {}² values each", r.thetas, r.phis, r.values);
@@ -358,7 +360,19 @@ impl Request<'_> {
         let details = json!({
             "index": film.index, "thickness_nm": film.thickness_nm, "base_index": film.base_index, "angles": angles,
         });
-        Ok(self.written(what, Some(deviation), details))
+        let mut written = self.written(what, Some(deviation), details);
+        if film.absorbs {
+            written
+                .remarks
+                .push("the film absorbs, which these formats do not have: it is clear there".into());
+        }
+        if film.is_cut {
+            written.remarks.push(
+                "the boundary with the base reflects more than any base of index 1 and more: it is air there"
+                    .into(),
+            );
+        }
+        Ok(written)
     }
 }
 

@@ -38,6 +38,10 @@ pub struct OneFilm {
     pub base_index: f64,
     /// Whether light passes the base.
     pub is_clear: bool,
+    /// Whether the film absorbs, which is left out.
+    pub absorbs: bool,
+    /// Whether the base's boundary reflects more than the index of 1 that it has.
+    pub is_cut: bool,
 }
 
 /// A format that has films.
@@ -93,11 +97,14 @@ impl OneFilm {
                 film.re
             )));
         }
+        let base_index = as_strong(film.re, base);
         Ok(Self {
             index: film.re,
             thickness_nm: stack.thickness_nm()[0],
-            base_index: as_strong(film.re, base),
+            base_index: base_index.max(1.0),
             is_clear: base.im < OPAQUE,
+            absorbs: film.im >= OPAQUE,
+            is_cut: base_index < 1.0 - 1e-6,
         })
     }
 
@@ -170,7 +177,8 @@ impl OneFilm {
 fn as_strong(film: f64, base: Complex64) -> f64 {
     let amplitude = ((base - film) / (base + film)).norm();
     let [more, less] = [1.0 + amplitude, 1.0 - amplitude];
-    (if base.re >= film { film * more / less } else { film * less / more }).max(1.0)
+    // The sign of the amplitude is that of |base|² − film²: a metal is the denser one.
+    if base.norm() >= film { film * more / less } else { film * less / more }
 }
 
 /// Linear sRGB of unpolarized light that a stack reflects at [`ANGLES_DEG`].
@@ -179,6 +187,14 @@ fn colours(stack: &Stack) -> Result<Vec<[f64; 3]>> {
     let weights = Observer::default().weights(&at);
     let reflected = sweep(stack, &at, &ANGLES_DEG.map(f64::to_radians), &Unobserved)?.unpolarized();
     Ok(reflected.chunks(at.len()).map(|row| weights.linear_rgb(row)).collect())
+}
+
+#[cfg(test)]
+impl OneFilm {
+    /// A film on a base, neither of which absorbs.
+    fn clear(index: f64, thickness_nm: f64, base_index: f64) -> Self {
+        Self { index, thickness_nm, base_index, is_clear: true, absorbs: false, is_cut: false }
+    }
 }
 
 #[cfg(test)]
@@ -200,6 +216,24 @@ mod tests {
         assert!(!over_melanin.is_clear && over_melanin.base_index > melanin.re, "{over_melanin:?}");
         let strength = |base: Complex64| ((base - over_melanin.index) / (base + over_melanin.index)).norm();
         assert!((strength(over_melanin.base_index.into()) - strength(melanin)).abs() < 1e-12);
+        assert!(!over_melanin.absorbs && !over_melanin.is_cut);
+        let [absorbing, over_less] =
+            ["air/melanin:300/air", "air/keratin:300/0.9"].map(|text| OneFilm::of(&stack(text)).unwrap());
+        assert!(absorbing.absorbs && over_less.is_cut && over_less.base_index == 1.0);
+    }
+
+    /// A metal, whose index has a small real part, is the denser medium: what its film reflects is kept.
+    #[test]
+    fn films_on_metals_reflect_as_much_as_metals() {
+        for metal in ["silver", "aluminium", "gold"] {
+            let stack = stack(&format!("air/keratin:300/{metal}"));
+            let film = OneFilm::of(&stack).unwrap();
+            for format in [FilmFormat::Gltf, FilmFormat::OpenPbr] {
+                let (_, Deviation { relative_l1, bias, .. }) = film.compare(&stack, format).unwrap();
+                println!("{metal} {format:?}: {relative_l1:.3} {bias:.3}");
+                assert!(bias.abs() < 0.1, "{metal} {format:?}: {relative_l1} {bias}");
+            }
+        }
     }
 
     #[test]
@@ -220,12 +254,12 @@ mod tests {
     #[test]
     fn formulas_are_right_in_their_limits() {
         for format in [FilmFormat::Gltf, FilmFormat::OpenPbr] {
-            let thin = OneFilm { index: 1.5, thickness_nm: 1e-6, base_index: 2.0, is_clear: true };
+            let thin = OneFilm::clear(1.5, 1e-6, 2.0);
             let bare: f64 = (1.0_f64 / 3.0).powi(2);
             for v in thin.rgb(format, 1.0) {
                 assert!((v - bare).abs() < 0.02, "{format:?}: {v} {bare}");
             }
-            let thick = OneFilm { index: 1.5, thickness_nm: 1e5, base_index: 1.0, is_clear: true };
+            let thick = OneFilm::clear(1.5, 1e5, 1.0);
             let once: f64 = (0.5_f64 / 2.5).powi(2);
             let mean = once + (1.0 - once).powi(2) * once / (1.0 - once * once);
             // The extension's guard makes air a medium of index 1.02.

@@ -167,7 +167,7 @@ mod tests {
             ),
         ];
         for (index, base_index, rows) in expected {
-            let film = OneFilm { index, thickness_nm: 300.0, base_index, is_clear: true };
+            let film = OneFilm::clear(index, 300.0, base_index);
             for (degrees, (first, second)) in [0.0_f64, 45.0, 75.0].into_iter().zip(rows) {
                 let cosine = libm::cos(degrees.to_radians());
                 for (found, expected) in [(gltf(&film, cosine), first), (openpbr(&film, cosine), second)] {
