@@ -66,7 +66,7 @@ fn every_kind_of_measurement_is_read_said_and_compared() {
     for (file, said) in [
         (
             "starling-back.csv",
-            "semicolons, decimal commas; wavelengths from 'wl' (300–700 nm); 3 samples; percent",
+            "semicolons, decimal commas; wavelengths from 'wl' (300–700 nm); 3 samples, 'back_1', 'back_2' and 'back_3'; percent",
         ),
         (
             "from-r.csv",

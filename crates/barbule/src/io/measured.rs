@@ -31,6 +31,9 @@ const KEPT_NM: [f64; 2] = [300.0, 830.0];
 const MOST_ROWS: usize = 100_000;
 const MOST_COLUMNS: usize = 2_000;
 const MOST_NUMBERS: usize = 4_000_000;
+/// A step between wavelengths is a hole if it is over so many nm, and over so many times the usual step.
+const HOLE_NM: f64 = 20.0;
+const HOLE_STEPS: f64 = 3.0;
 /// Wavelengths beyond these, nm, are typing errors: of light none are measured there.
 const POSSIBLE_NM: [f64; 2] = [1.0, 1e6];
 /// Values beyond it are typing errors, and deviations of them no numbers.
@@ -99,7 +102,10 @@ pub fn parse_measured(
     } else {
         match long::read(&text, column) {
             Ok(Some(found)) => Ok(found),
-            Ok(None) => table::read(&text).and_then(|table| columns::choose(table, column)),
+            Ok(None) => {
+                let is_of_light = scale == Some(Scale::Power);
+                table::read(&text).and_then(|table| columns::choose(table, column, is_of_light))
+            }
             Err(error) => Err(error),
         }
     };
@@ -181,6 +187,7 @@ impl Found {
         self.convert()?;
         self.rise()?;
         self.keep()?;
+        self.say_holes();
         let mut said = std::mem::take(&mut self.said);
         said.extend(self.scale(scale)?);
         let below = self.samples.iter().flat_map(|(_, values)| values).filter(|v| **v < 0.0).count();
@@ -331,6 +338,32 @@ impl Found {
             self.said.push(format!("{first}–{last} nm kept"));
         }
         Ok(())
+    }
+
+    /// Says where values are missing within the spectrum, since between its wavelengths it is a straight line.
+    fn say_holes(&mut self) {
+        // In the file's own unit, since even steps in 1/cm are uneven ones in nm.
+        let per_cm = self.unit == Unit::PerCentimetre;
+        let own = |nm: f64| if per_cm { 1e7 / nm } else { nm };
+        let step = |from: f64, to: f64| (own(to) - own(from)).abs();
+        let pairs: Vec<[f64; 2]> = self.rows.windows(2).map(|pair| [pair[0].1, pair[1].1]).collect();
+        let mut steps: Vec<f64> = pairs.iter().map(|&[from, to]| step(from, to)).collect();
+        steps.sort_by(f64::total_cmp);
+        let Some(&usual) = steps.get(steps.len().saturating_sub(1) / 2) else { return };
+        let is_hole = |from: f64, to: f64| to - from > HOLE_NM && step(from, to) > HOLE_STEPS * usual;
+        let holes: Vec<[f64; 2]> = pairs.into_iter().filter(|&[from, to]| is_hole(from, to)).collect();
+        let widest = holes.iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+        let Some(&[from, to]) = widest else { return };
+        let short = |nm: f64| (nm * 100.0).round() / 100.0;
+        let others = match holes.len() - 1 {
+            0 => String::new(),
+            more => format!(", and {}", counted(more, "more hole")),
+        };
+        self.said.push(format!(
+            "no values from {} to {} nm{others}: a straight line is taken there",
+            short(from),
+            short(to)
+        ));
     }
 }
 

@@ -58,6 +58,15 @@ pub fn light(text: &str) -> Result<Light> {
         return named.map_err(|error| error.followed_by(", or give a file of wavelengths in nm and power"));
     }
     let table = read_measured(Path::new(file), None, Some(Scale::Power))?;
+    if let [first, second, ..] = &table.samples[..] {
+        return Err(Error::input(format!(
+            "'{}' and '{}' are {} lights; leave one of them in the file",
+            first.name,
+            second.name,
+            if table.samples.len() == 2 { "two" } else { "two of several" }
+        ))
+        .at(file));
+    }
     let name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy();
     Light::of_table(&name, &table.mean, is_quanta).map_err(|error| error.at(file))
 }
@@ -175,6 +184,13 @@ mod tests {
         std::fs::write(&path, "wl,power\n300,2\n560,2\n830,2\n").unwrap();
         assert_eq!(light(&path).unwrap().quanta.at(700.0), 2.5);
         assert_eq!(light(&format!("quanta:{path}")).unwrap().quanta.at(700.0), 2.0);
+        for name in ["irradiance", "Radiance", "counts", "intensity 1"] {
+            std::fs::write(&path, format!("wl,{name}\n300,2\n560,2\n830,2\n")).unwrap();
+            assert_eq!(light(&path).unwrap().quanta.at(700.0), 2.5, "{name}");
+        }
+        std::fs::write(&path, "wl,lamp1,lamp2\n300,2,1\n560,2,1\n830,2,1\n").unwrap();
+        let message = light(&path).unwrap_err().to_string();
+        assert!(message.contains("lamp.csv: 'lamp1' and 'lamp2' are two lights; leave one"), "{message}");
         assert_eq!(light("d65").unwrap().name, "D65");
         let message = light("forrest").unwrap_err().to_string();
         assert!(

@@ -1,11 +1,15 @@
 //! Which column of a table is the wavelength, and which are samples.
 
-use super::names::{Role, is_bare_quantity, numbered_position_unit, role, says_percent, words};
+use super::names::{Role, is_bare_quantity, is_light, numbered_position_unit, role, says_percent, words};
 use super::resample::{Own, brought_to};
+use super::scale::PERCENT_ABOVE;
 use super::table::Table;
 use super::{Found, Unit};
 use crate::error::{did_you_mean, shortened};
 use crate::{Error, Result};
+
+/// A mean is that of samples if it differs by at most so much of its largest value: tables round.
+const ROUNDED: f64 = 5e-3;
 
 /// Whether numbers count lines: 0, 1, 2, … or 1, 2, 3, …
 pub(super) fn is_count(values: &[f64]) -> bool {
@@ -56,10 +60,18 @@ fn label(table: &Table, column: usize) -> String {
     }
 }
 
-/// Chooses the wavelengths and the samples of a table; `wanted` is the name of one column or its number from 1.
-pub(super) fn choose(table: Table, wanted: Option<&str>) -> Result<Found> {
+/// Chooses the wavelengths and the samples of a table; `wanted` is the name of one column or its number from 1. In a table of
+/// light what is called irradiance or counts is what is sought.
+pub(super) fn choose(table: Table, wanted: Option<&str>, is_of_light: bool) -> Result<Found> {
     let mut said = vec![table.said.clone()];
     let mut roles = roles(&table, &mut said);
+    if is_of_light {
+        for (role, name) in roles.iter_mut().zip(&table.names) {
+            if *role == Some(Role::Raw) && is_light(name) {
+                *role = Some(Role::Sample);
+            }
+        }
+    }
     let positions = positions(&table, &mut roles)?;
     let (first, _) = positions[0];
     if let Some((line, column, text)) = &table.spoilt
@@ -278,7 +290,20 @@ fn samples(table: &Table, roles: &[Option<Role>], said: &mut Vec<String>) -> Res
         (found @ [_, ..], _, []) => found.to_vec(),
         // A spectrometer's own table: what is not reflectance is what it was made of.
         ([one], [_, ..], _) => vec![*one],
-        ([], [], found @ [_, ..]) => found.to_vec(),
+        ([], [], found @ [_, ..]) => {
+            let is_explained = |mean: usize| is_middle(table, mean, found) || is_constant(table, mean, found);
+            if let Some(&odd) = means.iter().find(|mean| !is_explained(**mean)) {
+                let mut all = [found, &means[..]].concat();
+                all.sort_unstable();
+                return Err(Error::input(format!(
+                    "columns {} may all be reflectances, but {} is not the mean of the others; name one with `column`",
+                    list(&all),
+                    label(table, odd)
+                ))
+                .naming(&["column"]));
+            }
+            found.to_vec()
+        }
         ([], [], []) => {
             return Err(Error::input(
                 "has wavelengths but no column of reflectance; write lines such as 500,0.12",
@@ -303,6 +328,39 @@ fn samples(table: &Table, roles: &[Option<Role>], said: &mut Vec<String>) -> Res
         said.push(format!("{} left out", list(&dropped)));
     }
     Ok(chosen)
+}
+
+/// Whether a column is the average or the median of others, in the lines where all have numbers.
+fn is_middle(table: &Table, column: usize, others: &[usize]) -> bool {
+    let (mut largest, mut off_average, mut off_median) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut is_known = false;
+    let mut beside: Vec<f64> = Vec::with_capacity(others.len());
+    for (row, &value) in table.columns[column].iter().enumerate() {
+        beside.clear();
+        beside.extend(others.iter().map(|&other| table.columns[other][row]));
+        if !value.is_finite() || !beside.iter().all(|v| v.is_finite()) {
+            continue;
+        }
+        beside.sort_by(f64::total_cmp);
+        let average = beside.iter().sum::<f64>() / beside.len() as f64;
+        let median = 0.5 * (beside[(beside.len() - 1) / 2] + beside[beside.len() / 2]);
+        largest = largest.max(value.abs());
+        off_average = off_average.max((value - average).abs());
+        off_median = off_median.max((value - median).abs());
+        is_known = true;
+    }
+    is_known && off_average.min(off_median) <= ROUNDED * largest
+}
+
+/// Whether a column has the same number in every line, too large for parts of 1, beside samples in parts of 1: a number of
+/// birds, whatever it is called.
+fn is_constant(table: &Table, column: usize, samples: &[usize]) -> bool {
+    let known = |column: usize| table.columns[column].iter().copied().filter(|value| value.is_finite());
+    let Some(first) = known(column).next() else { return false };
+    first > PERCENT_ABOVE
+        && known(column).count() > 2
+        && known(column).all(|value| value == first)
+        && samples.iter().all(|&sample| known(sample).all(|value| value <= PERCENT_ABOVE))
 }
 
 /// The column that the user names, by name or number.

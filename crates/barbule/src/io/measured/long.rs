@@ -205,13 +205,12 @@ impl<'a> Long<'a> {
             rest.iter().copied().filter(|&i| wanted(self.names[i].trim())).collect()
         };
         let is_value = |name: &str| VALUES.contains(&name.to_lowercase().as_str());
-        let is_sample = |name: &str| role(name) == Role::Sample && !is_bare_quantity(name, &[]);
-        let kinds = [
-            of(&|name| role(name) == Role::Reflectance),
-            of(&is_value),
-            of(&is_sample),
-            of(&|name| role(name) == Role::Mean),
-        ];
+        // A mean beside an unknown quantity: either may be meant.
+        let is_sample = |name: &str| match role(name) {
+            Role::Sample => !is_bare_quantity(name, &[]),
+            other => other == Role::Mean,
+        };
+        let kinds = [of(&|name| role(name) == Role::Reflectance), of(&is_value), of(&is_sample)];
         match kinds.iter().find(|kind| !kind.is_empty()).map(Vec::as_slice) {
             Some([one]) => {
                 let dropped: Vec<String> = rest.iter().filter(|i| *i != one).map(label).collect();

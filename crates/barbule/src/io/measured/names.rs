@@ -9,7 +9,7 @@ pub(super) enum Role {
     Position(Unit),
     /// A reflectance, by its name.
     Reflectance,
-    /// A mean of the samples beside it, or else a sample.
+    /// A mean: of the samples beside it where it is their mean in numbers, or else a sample.
     Mean,
     /// What spectrometers' own files hold beside: counts, dark, reference, and other quantities than reflectance.
     Raw,
@@ -53,10 +53,12 @@ const RAW: [&str; 19] = [
     "od",
     "%",
 ];
+/// Those of them that a lamp has.
+const LIGHT: [&str; 5] = ["counts", "count", "intensity", "irradiance", "radiance"];
 /// Beginnings of words for other quantities than reflectance, whatever stands beside.
 const QUANTITIES: [&str; 5] = ["transmi", "absorb", "absorp", "extin", "kubelka"];
 /// Spreads, first or last in a name.
-const SPREADS: [&str; 15] = [
+const SPREADS: [&str; 26] = [
     "sd",
     "std",
     "stdev",
@@ -72,7 +74,28 @@ const SPREADS: [&str; 15] = [
     "cv",
     "ci",
     "uncertainty",
+    "deviation",
+    "deviations",
+    "standarddeviation",
+    "abweichung",
+    "standardabweichung",
+    "standardfehler",
+    "stdabw",
+    "écart",
+    "ecart",
+    "desviación",
+    "desviacion",
 ];
+/// Two words that make a spread beside each other, anywhere in a name: one of the first and one of the second.
+const SPREAD_PAIRS: [([&str; 2], [&str; 2]); 4] = [
+    (["standard", "std"], ["deviation", "dev"]),
+    (["standard", "st"], ["error", "dev"]),
+    (["écart", "ecart"], ["type", "types"]),
+    (["desviación", "desviacion"], ["estándar", "estandar"]),
+];
+/// What is counted under `n`.
+const COUNTED: [&str; 8] =
+    ["samples", "birds", "individuals", "specimens", "spectra", "measurements", "replicates", "feathers"];
 /// Bounds of a band about a mean.
 const BOUNDS: [&str; 12] =
     ["lower", "upper", "lwr", "upr", "lcl", "ucl", "lci", "uci", "min", "max", "minimum", "maximum"];
@@ -175,9 +198,67 @@ pub(super) fn is_other_quantity(name: &str) -> bool {
         || quantity_letter(&words).is_some() && name.contains('%')
 }
 
+/// Whether a name is that of light itself, as a lamp has it.
+pub(super) fn is_light(name: &str) -> bool {
+    words(name).iter().filter(|word| !is_number(word)).all(|word| LIGHT.contains(&unnumbered(word)))
+}
+
 /// Whether a name is a logarithm's, as `log(1/R)`.
 fn is_logarithm(name: &str) -> bool {
     name.contains('(') && words(name).iter().any(|word| ["log", "log10", "ln"].contains(&word.as_str()))
+}
+
+/// A name without what stands in brackets.
+fn unbracketed(name: &str) -> String {
+    let mut depth = 0_usize;
+    let mut outside = String::with_capacity(name.len());
+    for c in name.chars() {
+        match c {
+            '(' | '[' | '{' => {
+                depth += 1;
+                outside.push(' ');
+            }
+            ')' | ']' | '}' => depth = depth.saturating_sub(1),
+            _ if depth == 0 => outside.push(c),
+            _ => {}
+        }
+    }
+    outside
+}
+
+/// Whether a name is that of a spread, as `sd 2`, `back SD (n=5)`, `Standard deviation of R` or `back range`.
+fn is_spread(name: &str) -> bool {
+    let is_pair = |pair: &[String]| {
+        SPREAD_PAIRS.iter().any(|(first, second)| {
+            first.contains(&pair[0].as_str()) && second.contains(&unnumbered(&pair[1]))
+        })
+    };
+    let says = |words: &[String]| {
+        [words.first(), words.last()].into_iter().flatten().any(|word| SPREADS.contains(&unnumbered(word)))
+            || words.windows(2).any(is_pair)
+    };
+    let without_percent = |name: &str| {
+        let mut words = words(name);
+        words.retain(|word| word != "%");
+        words
+    };
+    let bare = without_percent(&unbracketed(name));
+    // A range finch is a sample, and so is a finch (home range).
+    let is_range = bare.last().is_some_and(|word| unnumbered(word) == "range");
+    is_range || says(&bare) || says(&without_percent(name))
+}
+
+/// Whether a name is that of a number of samples, as `N (birds)`, `n samples` or `number of birds`.
+fn is_number_of_samples(name: &str) -> bool {
+    let is_counted = |word: &String| COUNTED.contains(&word.as_str());
+    let says = match &words(name)[..] {
+        [n, what] => n == "n" && is_counted(what),
+        [number, of, what] => {
+            ["n", "no", "nr", "num", "number"].contains(&number.as_str()) && of == "of" && is_counted(what)
+        }
+        _ => false,
+    };
+    says || words(&unbracketed(name)) == ["n"]
 }
 
 /// What a column is by its name alone.
@@ -190,8 +271,6 @@ pub(super) fn role(name: &str) -> Role {
     let any = |known: &[&str]| words.iter().any(|word| is(word, known));
     let all = |known: &[&[&str]]| words.iter().all(|word| known.iter().any(|known| is(word, known)));
     let some = |known: &[&str]| any(known) && all(&[known]);
-    let ends = [words.first(), words.last()];
-    let is_spread = |word: &&String| SPREADS.contains(&unnumbered(word));
     let is_bound = |word: &String| {
         let bare = unnumbered(word);
         BOUNDS.contains(&bare) || BESIDE_BOUNDS.contains(&bare) || is_number(word)
@@ -200,7 +279,7 @@ pub(super) fn role(name: &str) -> Role {
         |word: &String| [&MEANS[..], &REFLECTANCES, &SHORT_REFLECTANCES].iter().any(|known| is(word, known));
     let has_bound = words.iter().any(|word| BOUNDS.contains(&unnumbered(word)));
     match () {
-        () if ends.iter().flatten().any(is_spread) => Role::Beside,
+        () if is_spread(name) || is_number_of_samples(name) => Role::Beside,
         () if some(&BESIDE) => Role::Beside,
         () if has_bound && words.iter().all(|word| is_bound(word) || is_mean(word)) => Role::Beside,
         () if any(&MEANS) && words.iter().all(is_mean) => Role::Mean,
@@ -296,6 +375,59 @@ fn parts(name: &str) -> Vec<Part> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn spreads_are_whole_words_and_names_of_birds_are_none() {
+        for spread in [
+            "Standard Deviation",
+            "St. Dev.",
+            "back Std. Dev.",
+            "Standard deviation (%)",
+            "StandardDeviation",
+            "Deviation",
+            "belly deviation",
+            "Standard Error of the Mean",
+            "Standardabweichung",
+            "Abweichung [%]",
+            "écart type",
+            "ÉCART-TYPE",
+            "ecart type",
+            "Desviación estándar",
+            "dorso desviacion estándar",
+            "male SD (n=5)",
+            "male SD %",
+            "Range",
+            "back range (max-min)",
+            "range2",
+            "N samples",
+            "n (birds)",
+            "Number of birds",
+            "sd",
+            "back_sd2",
+        ] {
+            assert_eq!(role(spread), Role::Beside, "{spread}");
+        }
+        for sample in [
+            "range finch",
+            "orange",
+            "Orange back",
+            "grouse (home range)",
+            "St Kilda wren",
+            "standard morph",
+            "type 2",
+            "deviant",
+            "n1",
+            "samples",
+            "Back Mean",
+            "male mean (n=5)",
+            "(",
+            ")(",
+            "",
+        ] {
+            assert_eq!(role(sample), Role::Sample, "{sample}");
+        }
+        assert_eq!(role("Mean Reflectance (%)"), Role::Mean);
+    }
 
     #[test]
     fn names_say_their_angles() {

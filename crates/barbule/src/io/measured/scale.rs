@@ -6,7 +6,7 @@ use crate::error::counted;
 use crate::{Error, Result};
 
 /// A reflectance above this is percent.
-const PERCENT_ABOVE: f64 = 1.5;
+pub(super) const PERCENT_ABOVE: f64 = 1.5;
 /// A value above this is a detector's count.
 const COUNTS_ABOVE: f64 = 1000.0;
 /// A part of 1 above this is no reflectance, unless the user or a name says in which unit it is: gloss beside a white that
@@ -14,6 +14,9 @@ const COUNTS_ABOVE: f64 = 1000.0;
 const DOUBTED_ABOVE: f64 = 3.0;
 /// Samples of one kind differ at most so much in the mean of their spectra.
 const MOST_APART: f64 = 20.0;
+/// So many samples are named, in so many characters.
+const MOST_NAMED: usize = 6;
+const LONGEST_NAMES: usize = 100;
 /// As percent alone columns may differ so much, from black to white, before another reading is looked for.
 const MOST_APART_IN_PERCENT: f64 = 60.0;
 
@@ -36,15 +39,11 @@ impl Found {
         if given.is_none() {
             said.extend(self.leave_out_constants());
         }
-        said.push(match &self.samples[..] {
-            [(name, _)] if name.is_empty() => "1 sample".to_owned(),
-            [(name, _)] => format!("1 sample, '{name}'"),
-            many => counted(many.len(), "sample"),
-        });
         let reading = match given {
             Some(scale) => Reading::All { percent: scale == Scale::Percent, why: String::new() },
             None => self.reading()?,
         };
+        said.push(self.counted_samples(&reading));
         let largest = self.largest().into_iter().fold(f64::NEG_INFINITY, f64::max);
         let percent = match reading {
             Reading::All { percent: true, why } => {
@@ -86,6 +85,28 @@ impl Found {
         match self.samples[sample].0.as_str() {
             "" => format!("sample {}", sample + 1),
             name => format!("'{name}'"),
+        }
+    }
+
+    /// How many samples there are, and which, if they are few and are not named by their units anyway.
+    fn counted_samples(&self, reading: &Reading) -> String {
+        let number = counted(self.samples.len(), "sample");
+        let names: Vec<String> = self
+            .samples
+            .iter()
+            .filter(|(name, _)| !name.is_empty())
+            .map(|(name, _)| format!("'{name}'"))
+            .collect();
+        if names.len() < self.samples.len() || names.len() > MOST_NAMED {
+            return number;
+        }
+        match (&names[..], reading) {
+            ([one], _) => format!("{number}, {one}"),
+            ([others @ .., last], Reading::All { .. }) => {
+                let list = format!("{} and {last}", others.join(", "));
+                if list.chars().count() > LONGEST_NAMES { number } else { format!("{number}, {list}") }
+            }
+            _ => number,
         }
     }
 

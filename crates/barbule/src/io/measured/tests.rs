@@ -67,7 +67,7 @@ fn what_is_guessed_is_said() {
     let found = read("wl;back 1;back 2\n400;8,5;9\n500;12;15,5\n700;30;32\n");
     assert_eq!(
         found.reading,
-        "m.csv: semicolons, decimal commas; wavelengths from 'wl' (400–700 nm); 2 samples; percent divided by 100, since they reach 32"
+        "m.csv: semicolons, decimal commas; wavelengths from 'wl' (400–700 nm); 2 samples, 'back 1' and 'back 2'; percent divided by 100, since they reach 32"
     );
     assert_eq!(names(&found), ["back 1", "back 2"]);
     assert_eq!(found.mean.values(), [0.0875, 0.1375, 0.31]);
@@ -93,6 +93,41 @@ fn what_is_guessed_is_said() {
     assert_eq!(overruled.mean.values(), [0.9 / 100.0, 1.2 / 100.0]);
     let bright = parse_measured("m.csv", b"wl,R\n400,0.9\n500,1.8", None, Some(Scale::Fraction)).unwrap();
     assert_eq!(bright.mean.values(), [0.9, 1.8]);
+}
+
+#[test]
+fn holes_in_a_spectrum_are_said() {
+    let table = |is_known: &dyn Fn(usize) -> bool, line: &dyn Fn(usize) -> String| {
+        (400..=700).step_by(5).filter(|nm| is_known(*nm)).map(line).collect::<String>()
+    };
+    let plain = |nm: usize| format!("{nm},0.2\n");
+    let outside = |nm: usize| !(455..=615).contains(&nm);
+    let said = "no values from 450 to 620 nm: a straight line is taken there";
+    let one = read(&format!("wl,R\n{}", table(&outside, &plain)));
+    assert!(one.reading.contains(&format!("(400–700 nm); {said}; 1 sample, 'R'")), "{}", one.reading);
+    // Lines without a number are a hole too.
+    let missing = |nm: usize| if outside(nm) { plain(nm) } else { format!("{nm},NA\n") };
+    let found = read(&format!("wl,R\n{}", table(&|_| true, &missing)));
+    assert!(found.reading.contains("33 lines with missing values left out"), "{}", found.reading);
+    assert!(found.reading.contains(said) && found.mean == one.mean, "{}", found.reading);
+    let two = read(&format!("wl,R\n{}", table(&|nm| outside(nm) && !(660..=690).contains(&nm), &plain)));
+    assert!(two.reading.contains("450 to 620 nm, and 1 more hole: a straight"), "{}", two.reading);
+    // Where samples are brought together it is the common wavelengths that count.
+    let own = |nm: usize| format!("{nm},0.2,{},0.3\n", nm + 1);
+    let together = read(&format!("wl1,a,wl2,b\n{}", table(&outside, &own)));
+    assert!(together.reading.contains(said), "{}", together.reading);
+    // Coarse tables have none, nor have even steps in 1/cm.
+    let waves: String = (13..=33).map(|thousands| format!("{},0.2\n", 1000 * thousands)).collect();
+    for whole in [
+        format!("wl,R\n{}", table(&|_| true, &plain)),
+        "wl,R\n400,0.1\n420,0.1\n440,0.1\n500,0.1\n520,0.1\n".to_owned(),
+        "wl,R\n400,0.1\n404,0.1\n408,0.1\n428,0.1\n".to_owned(),
+        "wl,R\n400,0.1\n700,0.1\n".to_owned(),
+        format!("wavenumber (1/cm),R\n{waves}"),
+    ] {
+        let found = read(&whole);
+        assert!(!found.reading.contains("no values"), "{}", found.reading);
+    }
 }
 
 #[test]

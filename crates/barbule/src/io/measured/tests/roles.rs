@@ -154,6 +154,92 @@ fn columns_that_are_no_samples_are_left_out_or_refused() {
 }
 
 #[test]
+fn spelled_out_spreads_beside_means_are_left_out() {
+    for spread in [
+        "Standard Deviation",
+        "St. Dev.",
+        "Standard deviation (%)",
+        "Deviation",
+        "Range",
+        "N samples",
+        "Standardabweichung",
+        "écart type",
+        "ecart type",
+        "Desviación estándar",
+        "SD (n=5)",
+    ] {
+        let text =
+            format!("Wavelength,Mean Reflectance,{spread}\n400,0.1,0.01\n500,0.3,0.02\n600,0.2,0.03\n");
+        let found = said(&text, &format!("'{spread}' left out"));
+        assert_eq!(
+            (names(&found), found.mean.values()),
+            (vec!["Mean Reflectance"], &[0.1, 0.3, 0.2][..]),
+            "{spread}"
+        );
+        assert!(found.reading.contains("1 sample, 'Mean Reflectance'"), "{}", found.reading);
+    }
+    for (one, other, spreads) in [
+        ("Back Mean", "Belly Mean", ["Back Standard Deviation", "Belly Standard Deviation"]),
+        ("male mean", "throat mean", ["male SD (n=5)", "throat Standard Deviation"]),
+    ] {
+        let [a, b] = spreads;
+        let text = format!("wl,{one},{a},{other},{b}\n400,0.1,0.01,0.2,0.02\n500,0.3,0.02,0.4,0.01\n");
+        let found = said(&text, &format!("2 samples, '{one}' and '{other}'; values to 0.4"));
+        assert!(found.reading.contains(&format!("'{a}', '{b}' left out")), "{}", found.reading);
+        assert_eq!(names(&found), [one, other]);
+    }
+    let birds = read(
+        "wl,range finch,orange,St Kilda wren,grouse (home range)\n400,0.1,0.2,0.1,0.2\n500,0.3,0.2,0.1,0.2\n",
+    );
+    assert_eq!(birds.samples.len(), 4);
+    let long =
+        "wl,bird,Mean,Standard Deviation\n400,x,0.1,0.01\n500,x,0.3,0.02\n400,y,0.2,0.01\n500,y,0.4,0.02\n";
+    let found = said(long, "'Standard Deviation' left out");
+    assert_eq!((names(&found), found.samples[1].spectrum.values()), (vec!["x", "y"], &[0.2, 0.4][..]));
+    refused(
+        &long.replace("Standard Deviation", "Chroma"),
+        "columns 'Mean', 'Chroma' that could all be reflectance",
+    );
+}
+
+#[test]
+fn a_mean_is_left_out_where_it_is_that_of_the_samples_beside_it() {
+    for (text, kept) in [
+        ("wl,a,b,mean\n400,0.1,0.2,0.15\n500,0.3,0.5,0.4\n", vec!["a", "b"]),
+        // As rounded as tables are.
+        ("wl,Average,a,b\n400,0.15,0.101,0.2\n500,0.4,0.301,0.5\n", vec!["a", "b"]),
+        ("wl,a,b,c,median\n400,0.1,0.2,0.6,0.2\n500,0.3,0.4,0.8,0.4\n", vec!["a", "b", "c"]),
+        ("wl,a,b,mean\n400,0.1,0.2,0.15\n450,NA,0.2,0.2\n500,0.3,0.5,0.4\n", vec!["a", "b"]),
+        // The same numbers whichever is taken.
+        ("wl,bird,mean\n400,0.1,0.1\n500,0.3,0.3\n", vec!["bird"]),
+    ] {
+        let found = read(text);
+        assert_eq!(names(&found), kept, "{}", found.reading);
+        assert!(found.reading.contains(" left out"), "{}", found.reading);
+    }
+    for (columns, listed, mean) in [
+        ("Mean Reflectance,Chroma", "'Mean Reflectance', 'Chroma'", "'Mean Reflectance'"),
+        ("a,b,mean", "'a', 'b', 'mean'", "'mean'"),
+        ("Mittelwert,Back Mean,Belly Mean", "'Mittelwert', 'Back Mean', 'Belly Mean'", "'Mittelwert'"),
+    ] {
+        let cells = |values: [&str; 3]| values[..columns.split(',').count()].join(",");
+        let text = format!(
+            "wl,{columns}\n400,{}\n500,{}\n600,{}\n",
+            cells(["0.1", "0.3", "0.5"]),
+            cells(["0.3", "0.5", "0.2"]),
+            cells(["0.2", "0.4", "0.3"])
+        );
+        refused(
+            &text,
+            &format!(
+                "columns {listed} may all be reflectances, but {mean} is not the mean of the others; name one with `column`"
+            ),
+        );
+        assert_eq!(of(&text, "2").unwrap().mean.values(), [0.1, 0.3, 0.2]);
+    }
+}
+
+#[test]
 fn percent_and_parts_of_1_are_told_for_each_column() {
     let found = said(
         "wl,R1,R2\n400,0.1,12\n500,0.3,28\n",
