@@ -135,6 +135,8 @@ impl Args {
         if self.cortex.is_some() && found.traced.kind != Kind::Lattice {
             self.common
                 .idle("--cortex", "it lies above a lattice, and none is traced; --as lattice traces one");
+        } else if self.cortex.is_some() && self.output.is_none() {
+            self.common.idle("--cortex", "it is of the file, and none is written");
         }
         self.write(&found, bar.map(|bar| (&whole, bar)))?;
         found.notes.iter().for_each(|note| self.common.say(note));

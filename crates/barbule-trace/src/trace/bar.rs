@@ -3,7 +3,7 @@
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 
-use super::field::Grey;
+use super::field::{Grey, part};
 
 /// A scale bar in a picture, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Bar {
     pub bounds: [usize; 4],
     /// Its length.
     pub length: f64,
-    /// The rows of the picture that are free of it and of what is written beside it: from, to.
+    /// The rows of the picture that are free of it, of what is written beside it, and of a strip of one grey in which it lies: from, to.
     pub free: [usize; 2],
 }
 
@@ -21,6 +21,13 @@ const SLENDER: usize = 4;
 const FILLED: f64 = 0.95;
 /// The upper and the lower part of the picture in which bars lie.
 const NEAR_BORDER: f64 = 0.25;
+/// Rows beside a bar that are left out too: words have soft edges.
+const MARGIN: usize = 4;
+/// A row of a strip has its grey in this part of its pixels, words in the others, and to this part of the picture's range.
+const STRIP: f64 = 0.6;
+const SAME_GREY: f32 = 0.02;
+/// What is higher, as a part of the picture, is no strip.
+const MOST_STRIP: f64 = 0.35;
 
 /// Looks for a level bar of black or white near the upper or the lower border; the longest if there are several.
 #[must_use]
@@ -35,7 +42,49 @@ pub fn scale_bar(picture: &Grey) -> Option<Bar> {
         bar_of(labels.as_raw(), [width, height])
     };
     let found = [of(&|v| v <= dark), of(&|v| v >= bright)];
-    found.into_iter().flatten().max_by(|a, b| a.length.total_cmp(&b.length))
+    let bar = found.into_iter().flatten().max_by(|a, b| a.length.total_cmp(&b.length))?;
+    let free = match strip(picture, bar.bounds, high - low) {
+        // The strip's rows say nothing of the section, and their grey would be taken for one of its classes.
+        Some(edge) if bar.free[0] == 0 => [0, bar.free[1].min(edge.saturating_sub(MARGIN))],
+        Some(edge) => [bar.free[0].max((edge + MARGIN).min(height)), height],
+        None => bar.free,
+    };
+    Some(Bar { free, ..bar })
+}
+
+/// The row at which a strip of black or white begins or ends that reaches from side to side and holds the bar: its edge towards the picture's
+/// middle. None where the bar is drawn into the picture itself.
+fn strip(picture: &Grey, [left, top, right, bottom]: [usize; 4], range: f32) -> Option<usize> {
+    let [width, height] = picture.size();
+    let row = |y: usize| &picture.values[y * width..(y + 1) * width];
+    let middle = row(top.midpoint(bottom));
+    let mut beside: Vec<f64> = middle[..left].iter().chain(&middle[right..]).map(|v| f64::from(*v)).collect();
+    let ground = part(&mut beside, 0.5) as f32;
+    let is_ground = |v: f32| (v - ground).abs() <= SAME_GREY * range;
+    // A bar is black or white, and the strip is the other: a layer of some grey is none.
+    if (ground - middle[left.midpoint(right)]).abs() < 0.9 * range {
+        return None;
+    }
+    let of_ground = beside.iter().filter(|v| is_ground(**v as f32)).count();
+    if (of_ground as f64) < STRIP * beside.len() as f64 {
+        return None;
+    }
+    let is_strip = |y: usize| row(y).iter().filter(|v| is_ground(**v)).count() as f64 >= STRIP * width as f64;
+    let is_below = 2 * top > height;
+    let rows = if is_below { top } else { height - bottom };
+    // So many rows beyond the bar are the strip's, over lines that are ruled in it.
+    let mut reach = 0;
+    for beyond in 0..rows {
+        let y = if is_below { top - 1 - beyond } else { bottom + beyond };
+        if is_strip(y) {
+            reach = beyond + 1;
+        } else if beyond >= reach + MARGIN {
+            break;
+        }
+    }
+    let edge = if is_below { top - reach } else { bottom + reach };
+    let high = if is_below { height - edge } else { edge };
+    (high as f64 <= MOST_STRIP * height as f64).then_some(edge)
 }
 
 fn bar_of(labels: &[u32], [width, height]: [usize; 2]) -> Option<Bar> {
@@ -75,9 +124,8 @@ fn bar_of(labels: &[u32], [width, height]: [usize; 2]) -> Option<Bar> {
             (from, to) = (from.min(*t), to.max(*b));
         }
     }
-    let margin = 4;
     let free =
-        if 2 * top > height { [0, from.saturating_sub(margin)] } else { [(to + margin).min(height), height] };
+        if 2 * top > height { [0, from.saturating_sub(MARGIN)] } else { [(to + MARGIN).min(height), height] };
     // The mean length of its rows, so that soft ends count in part.
     Some(Bar { bounds, length: area as f64 / (bottom - top) as f64, free })
 }

@@ -165,6 +165,35 @@ fn scale_bars_are_found_and_cut_away() {
 }
 
 #[test]
+fn strips_that_hold_the_bar_are_cut_away_with_it() {
+    let clean = microscope(5).of(1, &rods(1).shapes().0).unwrap();
+    let [width, height] = clean.size();
+    // A strip of 60 rows with a bar 30 rows in, and words high in it; at the picture's lower or its upper border.
+    let with_strip = |ground: f32, ink: f32, is_below: bool| {
+        let mut strip = vec![ground; width * 60];
+        for y in 30..36 {
+            strip[y * width + 300..y * width + 420].fill(ink);
+        }
+        for y in 8..20 {
+            strip[y * width + 20..y * width + 120].fill(ink);
+        }
+        let picture = clean.values();
+        let values = if is_below { [picture, &strip].concat() } else { [&strip, picture].concat() };
+        Grey::new(width, height + 60, values).unwrap()
+    };
+    for (ground, ink) in [(-0.5, 1.5), (1.5, -0.5)] {
+        let bar = scale_bar(&with_strip(ground, ink, true)).unwrap();
+        assert_eq!((bar.bounds, bar.length), ([300, height + 30, 420, height + 36], 120.0));
+        assert_eq!(bar.free, [0, height - 4]);
+        let bar = scale_bar(&with_strip(ground, ink, false)).unwrap();
+        assert_eq!((bar.bounds, bar.free), ([300, 30, 420, 36], [64, height + 60]));
+    }
+    // A layer of some grey that is as even is part of the section: only the bar's own rows and their words go.
+    let bar = scale_bar(&with_strip(0.5, 1.5, true)).unwrap();
+    assert!(bar.free[1] > height, "{:?}", bar.free);
+}
+
+#[test]
 fn pictures_that_show_nothing_are_refused() {
     let refusal = |picture: Result<Grey>, options: &Options| {
         let error = picture.and_then(|picture| trace(&picture, options)).unwrap_err();

@@ -4,7 +4,6 @@ use std::io::Cursor;
 use std::path::Path;
 
 use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
 use tiff::{ColorType, TiffError};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
@@ -114,13 +113,11 @@ fn decode_tiff(bytes: &[u8]) -> Result<Grey> {
         ColorType::RGBA(_) => 4,
         _ => return Err(other()),
     };
-    // 0 where white is.
-    let is_inverted = channels == 1
-        && decoder.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).map_err(refuse)? == Some(0);
+    // Where the file says that white is 0, the decoder has turned the values round already.
     let values: Vec<f32> = match decoder.read_image().map_err(refuse)? {
         DecodingResult::U8(values) => values.into_iter().map(|v| f32::from(v) / 255.0).collect(),
         DecodingResult::U16(values) => values.into_iter().map(|v| f32::from(v) / 65535.0).collect(),
-        DecodingResult::F32(values) if !is_inverted => over_their_range(values),
+        DecodingResult::F32(values) => over_their_range(values),
         _ => return Err(other()),
     };
     if values.len() != size[0] * size[1] * channels {
@@ -131,7 +128,7 @@ fn decode_tiff(bytes: &[u8]) -> Result<Grey> {
             size[1]
         )));
     }
-    grey(size, channels, values.into_iter().map(|v| if is_inverted { 1.0 - v } else { v }))
+    grey(size, channels, values.into_iter())
 }
 
 /// Floats in whatever unit, from 0 for the least to 1 for the largest.
@@ -214,6 +211,53 @@ mod tests {
             }
         }
         assert!(decode_micrograph(b"GIF89a").unwrap_err().to_string().contains("PNG, TIFF or JPEG"));
+    }
+
+    /// A TIFF of 40 × 32 greys in one strip, little-endian; of floats where they have 32 bits. `photometric`: whether 0 is white (0) or black (1).
+    fn tiff_of(bits: u32, photometric: u32, data: &[u8]) -> Vec<u8> {
+        let format = if bits == 32 { 3 } else { 1 };
+        let entries: [(u16, u32); 10] = [
+            (256, 40),
+            (257, 32),
+            (258, bits),
+            (259, 1),
+            (262, photometric),
+            // Behind the header of 8 bytes, a count, the entries and the place of the next directory.
+            (273, 8 + 2 + 10 * 12 + 4),
+            (277, 1),
+            (278, 32),
+            (279, data.len() as u32),
+            (339, format),
+        ];
+        let mut bytes = b"II*\0\x08\0\0\0\x0a\0".to_vec();
+        for (tag, value) in entries {
+            bytes.extend_from_slice(&tag.to_le_bytes());
+            // One number of two bytes.
+            bytes.extend_from_slice(&[3, 0, 1, 0, 0, 0]);
+            bytes.extend_from_slice(&value.to_le_bytes());
+        }
+        bytes.extend_from_slice(&[0; 4]);
+        bytes.extend_from_slice(data);
+        bytes
+    }
+
+    #[test]
+    fn white_is_white_whether_it_is_zero_or_not() {
+        for photometric in [0, 1] {
+            let is_white_zero = photometric == 0;
+            let byte = |v: u8| if is_white_zero { 255 - v } else { v };
+            let bytes: Vec<u8> = ramp().map(byte).collect();
+            holds(&decode_micrograph(&tiff_of(8, photometric, &bytes)).unwrap(), 1e-6);
+            let words: Vec<u8> = ramp().flat_map(|v| (u16::from(byte(v)) * 257).to_le_bytes()).collect();
+            holds(&decode_micrograph(&tiff_of(16, photometric, &words)).unwrap(), 1e-6);
+            // Floats go over their range, which is that of 0 to 199 here.
+            let float = |v: u8| if is_white_zero { 1.0 - f32::from(v) / 255.0 } else { f32::from(v) / 255.0 };
+            let floats: Vec<u8> = ramp().flat_map(|v| float(v).to_le_bytes()).collect();
+            let picture = decode_micrograph(&tiff_of(32, photometric, &floats)).unwrap();
+            for (value, expected) in picture.values().iter().zip(ramp()) {
+                assert!((value - f32::from(expected) / 199.0).abs() < 1e-5, "{value} {expected}");
+            }
+        }
     }
 
     #[test]

@@ -154,6 +154,14 @@ fn notes(found: &TracedImage, given: &Micrograph) -> Vec<String> {
     if traced.kind == Kind::Lattice && !found.shows_cortex && given.cortex_nm.is_none() {
         notes.push("the picture shows no surface above the rods: the file has no cortex, so that the first row touches the surface; give `cortex_nm` if you know it".into());
     }
+    if traced.kind == Kind::Lattice
+        && let (Some(cortex), Some(given)) = (traced.cortex, given.cortex_nm)
+    {
+        notes.push(format!(
+            "the file has the cortex that was given, {given:.0} nm; the picture shows {:.0} nm",
+            cortex.mean * found.nm_per_px
+        ));
+    }
     let smallest = match traced.kind {
         Kind::Layers => traced.layers.iter().map(|layer| layer.thickness.mean).fold(f64::INFINITY, f64::min),
         _ => traced.lattice.as_ref().map_or(f64::INFINITY, |lattice| lattice.diameter.mean),
