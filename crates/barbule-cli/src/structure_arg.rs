@@ -73,6 +73,22 @@ impl SideArg {
         }
     }
 
+    /// Refuses or says what a material cannot follow, which is of one side and of what it was made of.
+    ///
+    /// # Errors
+    /// The lower side of a material's file.
+    pub(crate) fn of_material(self, common: &Common) -> Result<()> {
+        if self.side == Lit::Below {
+            return Err(Error::input(
+                "--side below: a material file is of the side that it was made of; give the file of the lower side, or the structure",
+            ));
+        }
+        if self.smooth.is_some() {
+            common.idle("--smooth", "a material is of the inclusions that it was made of");
+        }
+        Ok(())
+    }
+
     /// Whether an average along the top is asked for.
     pub(crate) fn is_smoothed(self) -> bool {
         matches!(self.smooth, Some(Smoothing::Over(_)))

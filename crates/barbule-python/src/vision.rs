@@ -18,8 +18,8 @@ const MOST_INSTANCES: usize = 10_000;
 /// A cone: its name, peak in nm, abundance, source, and its answers at 300, 301 … 830 nm.
 type OfCone<'py> = (String, f64, f64, String, Bound<'py, PyArrayDyn<f64>>);
 
-/// A thing that is seen: its name, wavelengths in nm, and reflectance.
-type OfThing<'py> = (String, Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+/// A thing that is seen: its name, wavelengths in nm, reflectance, and whether it was measured.
+type OfThing<'py> = (String, Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>, bool);
 
 /// What single cones catch `[row, cone]`, and double ones `[row]`.
 type Caught<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
@@ -143,7 +143,8 @@ pub(crate) fn things<'py>(
         .run(py, |progress| open::things(text, each_sample, &simulation, &opening, progress))?;
     let of = |thing: open::Thing| -> PyResult<OfThing<'py>> {
         let (nm, values) = (thing.reflectance.wavelengths().nm(), thing.reflectance.values());
-        Ok((thing.name, shaped(py, nm.to_vec(), &[nm.len()])?, shaped(py, values.to_vec(), &[nm.len()])?))
+        let [at, values] = [nm, values].map(|numbers| shaped(py, numbers.to_vec(), &[nm.len()]));
+        Ok((thing.name, at?, values?, thing.reading.is_some()))
     };
     found.into_iter().map(of).collect()
 }

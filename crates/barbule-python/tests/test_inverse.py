@@ -67,6 +67,14 @@ def test_misspelt_words_and_objects_are_refused():
         barbule.fit_structure(barbule.measured(STARLING), progress=False)
 
 
+def test_one_open_size_is_a_word_and_what_flat_layers_lack_is_said():
+    with pytest.raises(barbule.InputError, match="cortex_mu"):
+        barbule.fit_structure(STARLING, "starling", free="cortex_mu", progress=False)
+    with pytest.warns(barbule.DoubtWarning, match="has no effect here: flat layers") as said:
+        barbule.fit_structure(STARLING, "film", instances=3, plane="along", progress=False)
+    assert sorted(str(one.message).split("'")[1] for one in said if "no effect" in str(one.message)) == ["instances", "plane"]
+
+
 def test_arrays_have_the_axes_that_are_asked_for():
     nm = np.arange(400.0, 701.0, 10.0)
     film = barbule.film("air/keratin:595/air", nm, [0.0, 40.0])

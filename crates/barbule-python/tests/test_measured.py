@@ -1,5 +1,6 @@
 """Measurements beside simulations, and how sure these are."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,20 @@ def test_individuals_and_angles_are_read_and_compared(folder: Path) -> None:
         barbule.compare(simulated, known, peak_range_nm=(700, 500))
     with pytest.raises(barbule.InputError, match="no angle behind @"):
         barbule.measured(f"{folder / 'a_0deg.csv'}@x")
+
+
+def test_measurements_of_the_same_angle_are_pooled_and_go_before_those_of_none(folder: Path) -> None:
+    simulated = barbule.spectrum("air/keratin:260/air", NM, [0, 30], progress=False)
+    known = barbule.measured(folder)
+    single = [replace(known[0], names=[name], samples=known[0].samples[k : k + 1]) for k, name in enumerate(known[0].names)]
+    assert barbule.compare(simulated, single)[0] == barbule.compare(simulated, known)[0]
+    anywhere = replace(known[1], angle_deg=None)
+    assert barbule.compare(simulated, [anywhere, known[0]]) == barbule.compare(simulated, known)
+    shorter = replace(single[1], wavelength_nm=NM[1:], samples=single[1].samples[:, 1:], mean=single[1].mean[1:])
+    with pytest.raises(barbule.InputError, match="two measurements at 0° with different wavelengths, 'a_0deg' and 'b_0deg'; give one file"):
+        barbule.compare(simulated, [single[0], shorter])
+    with pytest.raises(TypeError, match=r"a Measured and 'x.csv' in one list; read files first: barbule.measured"):
+        barbule.compare(simulated, [known[0], "x.csv"])
 
 
 def test_intervals_follow_what_is_uncertain() -> None:

@@ -173,6 +173,22 @@ def test_instruments_read_structures_and_materials():
             barbule.spectrum("starling", [500.0], instances=1, **wrong)
 
 
+def test_tilts_are_one_number_or_two():
+    read = lambda tilt: np.asarray(  # noqa: E731
+        barbule.spectrum("air/keratin:200/air", [500.0], instrument="probe:10", tilt_deg=tilt, progress=False)["reflectance"]
+    )
+    for tilt in ([5.0, 2.0], np.array([5.0, 2.0])):
+        np.testing.assert_array_equal(read(tilt), read((5.0, 2.0)))
+    with pytest.raises(barbule.InputError, match="'tilt_deg' holds 3 numbers; give one for slopes and turns"):
+        read([1.0, 2.0, 3.0])
+
+
+def test_more_individuals_than_there_are_is_said():
+    with pytest.warns(barbule.DoubtWarning, match="'instances' is 9, but there is 1 section: it is simulated"):
+        found = barbule.spectrum("air/keratin:200/air", [500.0], instances=9, progress=False)
+    assert found["individuals"].shape[0] == 1
+
+
 def test_the_law_of_angles_gives_the_index_with_its_interval():
     angles = np.array([0.0, 20.0, 40.0, 60.0])
     peaks = 640 * np.sqrt(1 - (np.sin(np.radians(angles)) / 1.5) ** 2) + [0.5, -0.5, -0.5, 0.5]

@@ -1,5 +1,7 @@
 """What birds see, from Python: against NumPy's own integrals and the published number."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -56,8 +58,35 @@ def test_arrays_of_other_shapes_are_refused():
         (lambda: barbule.vision.catches([300, 700], [0.2], "starling"), "last axis must hold 2 wavelengths"),
         (lambda: barbule.vision.jnd(np.ones((2, 2, 4))), r"give \[row, cone\]"),
         (lambda: barbule.colours([400, 500, 600, 700], []), "last axis must hold 4 wavelengths"),
+        (lambda: barbule.vision.jnd(np.ones((2, 4)), weber=0), "'weber' is 0; give a number over 0"),
         (lambda: barbule.see([], "starling"), "'things' is empty"),
         (lambda: barbule.see("starling", "starling", angle_deg=[0, 30]), "'angle_deg' holds 2 angles"),
     ):
         with pytest.raises(barbule.InputError, match=words):
             call()
+
+
+def test_weber_fractions_are_the_callers():
+    things = ["air/keratin:320/melanin", "air/keratin:340/melanin"]
+    usual = barbule.see(things, "peafowl", instances=1, progress=False)
+    other = barbule.see(things, "peafowl", instances=1, weber=0.05, weber_double=0.2, progress=False)
+    np.testing.assert_allclose(other["delta_s"], usual["delta_s"] * usual.attrs["weber"] / 0.05)
+    np.testing.assert_allclose(other["delta_l"], usual["delta_l"] * usual.attrs["weber_double"] / 0.2)
+    for bad in ({"weber": 0}, {"weber": 50}, {"weber_double": -1.0}):
+        with pytest.raises(barbule.InputError, match=f"'{next(iter(bad))}' is .*; give a number over 0 and up to 10"):
+            barbule.see(things, "peafowl", instances=1, progress=False, **bad)
+
+
+def test_what_changes_nothing_is_said(tmp_path):
+    file, stack = tmp_path / "a.csv", "air/keratin:320/melanin"
+    file.write_text("".join(f"{nm},0.2\n" for nm in range(300, 701, 10)))
+    idle = lambda said: sorted(str(one.message).split("'")[1] for one in said)  # noqa: E731
+    with pytest.warns(barbule.DoubtWarning, match="has no effect here") as said:
+        barbule.see([file, file], "starling", angle_deg=10, instances=2, wavelengths_nm=range(300, 701, 10))
+    assert idle(said) == ["angle_deg", "instances", "wavelengths_nm"]
+    with pytest.warns(barbule.DoubtWarning, match="has no effect here") as said:
+        barbule.see(stack, "starling", weber=0.1, weber_double=0.1, ratio=(1, 2, 2, 4), samples=True, progress=False)
+    assert idle(said) == ["ratio", "samples", "weber", "weber_double"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", barbule.DoubtWarning)
+        barbule.see([file, stack], "starling", weber=0.1, angle_deg=10, instances=2, samples=True, progress=False)

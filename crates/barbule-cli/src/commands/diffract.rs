@@ -33,6 +33,9 @@ use crate::sets;
 /// Bytes of a figure while it is drawn.
 const DRAWING_BYTES: u64 = 24_000_000;
 
+/// Index of surfaces: chitin and keratin, about.
+const USUAL_INDEX: f64 = 1.5;
+
 /// Work that takes longer is announced.
 const SOON_SECONDS: f64 = 20.0;
 
@@ -73,9 +76,9 @@ pub(crate) struct Args {
     /// How directions are weighed
     #[arg(long, value_enum, default_value_t = Weighed::Kirchhoff)]
     obliquity: Weighed,
-    /// Refractive index of the surface
-    #[arg(long, value_name = "N", default_value_t = 1.5)]
-    index: f64,
+    /// Refractive index of the surface [default: 1.5]
+    #[arg(long, value_name = "N")]
+    index: Option<f64>,
     /// Side of the tables, odd
     #[arg(long, value_name = "N", default_value_t = TableGrid::USUAL.size)]
     size: usize,
@@ -224,9 +227,12 @@ impl Args {
                 Normalized::Energy => Normalization::Energy,
                 Normalized::Relative => Normalization::Relative,
             },
-            index: self.index,
+            index: self.index.unwrap_or(USUAL_INDEX),
         };
         setup.check()?;
+        if self.index.is_some() && setup.normalization == Normalization::Relative {
+            self.common.idle("--index", "values are relative to a mirror of the same index");
+        }
         Ok(setup)
     }
 

@@ -236,9 +236,13 @@ fn words(outcome: &Outcome) -> Vec<String> {
             solution.rmse,
         ));
         for (j, (p, size)) in outcome.fit.parameters.iter().zip(&solution.sizes).enumerate() {
-            let between = solution.between_samples.as_ref().map_or_else(String::new, |std| {
-                format!("; ±{} {} between samples", rounded(std[j]), p.unit).trim_end().to_owned()
-            });
+            let between = match &solution.between_samples {
+                _ if size.open == [true, true] => "; what was measured does not tell it".to_owned(),
+                Some(std) => {
+                    format!("; ±{} {} between samples", rounded(std[j]), p.unit).trim_end().to_owned()
+                }
+                None => String::new(),
+            };
             lines.push(format!("   {}{between}", in_words(p, size)));
         }
         let levels: Vec<String> = solution.levels.iter().map(|[level, _]| rounded(*level)).collect();

@@ -377,6 +377,7 @@ impl Args {
             ("--denoise", self.denoise.is_some()),
             ("--false-colour", self.false_colour.is_some()),
             ("--human", self.human.is_some()),
+            ("--sensor", !matches!(&self.sensor, Seer::Sensor(sensor) if sensor.is_human())),
             ("--spectral", self.spectral.is_some()),
             ("--keep-gamut", self.keep_gamut),
             ("--frames", self.frames != 1),

@@ -99,6 +99,7 @@ impl Args {
         let view = bird_args::view(self.eye()?, open::light(&self.illuminant)?)?;
         let things = self.things(&view, &simulation)?;
         let spectra: Vec<Spectrum> = things.iter().map(|thing| thing.reflectance.clone()).collect();
+        self.say_idle(&view, things.len());
         let compared = view.compare(&spectra).map_err(|(i, error)| error.at(&things[i].name))?;
         let found = Found { delta_e: delta_e(&spectra), things, view, compared };
         self.write(&found)?;
@@ -123,6 +124,25 @@ impl Args {
             None => Ok(eye),
             Some(set) => {
                 eye.with_abundance(&sets::parse("--ratio", set)?).map_err(|error| error.at("--ratio"))
+            }
+        }
+    }
+
+    /// Says which flags change no difference.
+    fn say_idle(&self, view: &View, things: usize) {
+        if self.weber_double.is_some() && view.eye.double.is_none() {
+            self.common.idle("--weber-double", "this eye has no double cones");
+        }
+        if things > 1 {
+            return;
+        }
+        for (flag, is_given) in [
+            ("--weber", self.weber.is_some()),
+            ("--weber-double", self.weber_double.is_some()),
+            ("--ratio", self.ratio.is_some()),
+        ] {
+            if is_given {
+                self.common.idle(flag, "one thing has no differences");
             }
         }
     }
@@ -170,6 +190,9 @@ impl Args {
         }
         if things.iter().any(|thing| thing.has_guess) {
             self.common.say_guessed();
+        }
+        if self.samples && things.iter().all(|thing| thing.reading.is_none()) {
+            self.common.idle("--samples", "nothing that is seen is measured");
         }
         // What is measured says how it was read.
         if things.iter().all(|thing| thing.reading.is_some()) {

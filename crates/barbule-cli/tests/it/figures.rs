@@ -106,6 +106,11 @@ fn flags_that_change_nothing_are_said_in_one_line() {
     let medium = format!("mine={table}");
     let own = format!("keratin={table}");
     let holes = format!("{}/../../examples/lattices/square-holes.toml", env!("CARGO_MANIFEST_DIR"));
+    let material =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../barbule-birds/birds/starling/starling-green.barbule");
+    let read = ["--instrument", "probe:5", "--wavelengths", "400:700:100"];
+    let (code, _, message) = run(&[&["spectrum", material, "--side", "below"][..], &read].concat());
+    assert!(code == 2 && message.contains("is of the side that it was made of"), "{message}");
     for (words, said) in [
         (
             vec!["geometry", "starling", "--medium", &medium, "--json"],
@@ -118,6 +123,30 @@ fn flags_that_change_nothing_are_said_in_one_line() {
             "--smooth has no effect here: starling:green has no inclusions",
         ),
         ("far-field hummingbird --wavelength 550 --theta 0 --phi 0 --smooth off".split(' ').collect(), ""),
+        (
+            "diffract blazed --wi 0,0 --wo 0,0 --normalization relative --index 2".split(' ').collect(),
+            "--index has no effect here: values are relative to a mirror",
+        ),
+        (
+            "see air/1.5:300/1.7 --bird starling --weber-double 0.2".split(' ').collect(),
+            "--weber-double has no effect here: one thing has no differences",
+        ),
+        (
+            "see air/1.5:300/1.7 air/1.5:310/1.7 --bird starling --samples".split(' ').collect(),
+            "--samples has no effect here: nothing that is seen is measured",
+        ),
+        (
+            "render bronzewing --toml --sensor bird:starling".split(' ').collect(),
+            "--sensor has no effect here: --toml prints a scene",
+        ),
+        (
+            [&["spectrum", material, "--instances", "3"][..], &read].concat(),
+            "--instances has no effect here: a material is of the individuals",
+        ),
+        (
+            [&["spectrum", material, "--smooth", "0.1"][..], &read].concat(),
+            "--smooth has no effect here: a material is of the inclusions",
+        ),
         (vec!["geometry", "air/mix(mine,keratin,0.5):90/air", "--medium", &medium, "--json"], ""),
         (vec!["geometry", "starling", "--title", "x", "-o", &path("a.json")], "--title has no effect here"),
         (

@@ -89,6 +89,22 @@ fn samples_are_individuals_and_other_orders_are_ranked() {
     }
 }
 
+/// A layer that no light comes back from: its spread between samples would be anything.
+#[test]
+fn what_a_measurement_does_not_tell_is_said() {
+    let stack = "air/keratin:?/melanin:8000/keratin:100..300/melanin";
+    let output =
+        at_root(&["fit-structure", "--measured", STARLING, "--model", "multilayer", "--stack", stack])
+            .output()
+            .unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success(), "{}", said_by(&output));
+    let [first, second] =
+        ["keratin_nm", "keratin_2_nm"].map(|name| text.lines().find(|line| line.contains(name)));
+    assert!(first.is_some_and(|line| line.contains("between samples")), "{text}");
+    assert!(second.is_some_and(|line| line.ends_with("; what was measured does not tell it")), "{text}");
+}
+
 #[test]
 fn what_cannot_be_fitted_is_refused_with_what_to_do() {
     for (arguments, part) in [

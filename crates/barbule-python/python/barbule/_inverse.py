@@ -17,9 +17,15 @@ from ._labels import floats, media_of, numbers, one_of, text_of
 from ._measured import Measured
 from ._opening import Name
 from ._progress import ProgressLike, watched
-from .errors import InputError
+from .errors import InputError, idle
 
 _Files = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
+
+#: Random individuals of a species unless told otherwise: each table has dozens of spectra.
+INSTANCES = 8
+
+#: Models of flat layers.
+_FLAT = ("film", "multilayer")
 
 
 @dataclass(frozen=True)
@@ -118,15 +124,15 @@ def fit_structure(
     *,
     angles_deg: ArrayLike | None = None,
     stack: str | None = None,
-    free: Sequence[str] = (),
+    free: str | Sequence[str] = (),
     instrument: str | None = None,
-    plane: Literal["across", "along"] = "across",
+    plane: Literal["across", "along"] | None = None,
     range_nm: tuple[float, float] | None = None,
     column: str | int | None = None,
     level: Literal["free", "fixed"] = "free",
     offset: bool = False,
     solutions: int = 3,
-    instances: int = 8,
+    instances: int | None = None,
     seed: int = 1,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
@@ -140,15 +146,15 @@ def fit_structure(
         model: ``film``, ``multilayer``, ``lattice``, a species with or without a variant, or the .toml file of a species or lattice.
         angles_deg: The angles of arrays, 0 without; files say theirs.
         stack: The stack of a film or multilayer, with ``?`` or ``LOW..HIGH`` for what is to be found.
-        free: Sizes of a species or lattice to be found, ``KEY`` or ``KEY=LOW..HIGH``; those that set the colour most without.
+        free: Sizes of a species or lattice to be found, ``KEY`` or ``KEY=LOW..HIGH``, one or several; those that set the colour most without.
         instrument: What it was measured with, of flat layers: ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere``, ``microscope:NA``.
-        plane: Whether angles lie across the barbule or along it.
+        plane: Whether angles lie ``across`` the barbule or ``along`` it; across without.
         range_nm: The wavelengths that are fitted; without all that are measured from 300 to 830 nm.
         column: Of files the one column or sample to use, by name or by number from 1.
         level: Whether each reading has a factor of its own, or reflectances are absolute.
         offset: Whether each reading has a constant of its own too.
         solutions: How many solutions are given at least; those that fit as well as the best always are.
-        instances: Random individuals of a species in each simulated spectrum.
+        instances: Random individuals of a species in each simulated spectrum, 8 without.
         seed: Their seed.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
@@ -159,6 +165,9 @@ def fit_structure(
 
     Raises:
         InputError: Files, a model or a stack that cannot be read; too few samples for so many sizes.
+
+    Warns:
+        DoubtWarning: `plane` or `instances` of flat layers, which have neither.
 
     Example:
         >>> import barbule, numpy as np
@@ -172,7 +181,7 @@ def fit_structure(
     files: list[str] = []
     nm = values = np.zeros(0)
     angles = numbers(0.0 if angles_deg is None else angles_deg)
-    one_of("plane", plane, ("across", "along"))
+    one_of("plane", "across" if plane is None else plane, ("across", "along"))
     one_of("level", level, ("free", "fixed"))
     if isinstance(measured, tuple) and len(measured) == 2 and not isinstance(measured[0], (str, PathLike, Measured)):
         nm, values = numbers(measured[0]), floats(measured[1])
@@ -184,6 +193,13 @@ def fit_structure(
         files = [text_of("measured", file) for file in several]
         if angles_deg is not None:
             raise InputError("'angles_deg' is of arrays; files say theirs, as in 'back.csv@40'")
+    if model in _FLAT:
+        for name, value, why in (
+            ("instances", instances, "flat layers have no random individuals"),
+            ("plane", plane, "flat layers reflect the same in every plane"),
+        ):
+            if value is not None:
+                idle(name, why)
     with watched(progress) as watch:
         text, toml = _native.fit_structure(
             files,
@@ -192,7 +208,7 @@ def fit_structure(
             angles,
             model,
             stack,
-            list(free),
+            [free] if isinstance(free, str) else list(free),
             instrument,
             plane == "along",
             None if range_nm is None else list(range_nm),
@@ -200,7 +216,7 @@ def fit_structure(
             level == "fixed",
             offset,
             solutions,
-            instances,
+            INSTANCES if instances is None else instances,
             seed,
             media_of(media),
             threads,

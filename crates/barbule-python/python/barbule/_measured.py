@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 _Places = Union[str, "PathLike[str]", Sequence[Union[str, "PathLike[str]"]]]
 
+#: Angles that differ by less, degrees, are one, as of files.
+_SAME_DEG = 0.05
+
 
 @dataclass(frozen=True)
 class Measured:
@@ -88,12 +91,17 @@ def compare(
 
     Args:
         simulated: What `spectrum` gives.
-        against: What `measured` gives or takes.
+        against: What `measured` gives or takes. Of several at one angle all samples are individuals; what has no angle is held against those
+            angles at which nothing else was measured.
         peak_range_nm: Where the peak is looked for.
 
     Returns:
         For each simulated angle the numbers that ``barbule spectrum --measured --json`` has under ``comparison``: peaks, half widths, levels and how
         they differ between individuals, RMSE, ΔE, and what the difference looks like; None where nothing was measured at that angle.
+
+    Raises:
+        InputError: Nothing is measured, or several at one angle at different wavelengths.
+        TypeError: `Measured` and files are mixed.
 
     Example:
         >>> import barbule, pathlib, tempfile
@@ -105,12 +113,7 @@ def compare(
         >>> differs["delta_e_2000"] < 10
         True
     """
-    if isinstance(against, Measured):
-        known = [against]
-    elif not isinstance(against, (str, PathLike)) and all(isinstance(one, Measured) for one in against):
-        known = [one for one in against if isinstance(one, Measured)]
-    else:
-        known = measured(against)  # type: ignore[arg-type]
+    known = _known(against)
     if not known:
         raise InputError("'against' holds no measurement; give at least one")
     if peak_range_nm is not None and not peak_range_nm[0] < peak_range_nm[1]:
@@ -118,15 +121,59 @@ def compare(
     nm = numbers(simulated["wavelength"])
     found: list[dict[str, Any] | None] = []
     for index, angle in enumerate(numbers(simulated["angle"])):
-        one = next((m for m in known if m.angle_deg is None or abs(m.angle_deg - angle) < 0.05), None)
-        if one is None:
+        # What says no angle is for all of them, but no better than what was measured at this one.
+        exact = [m for m in known if m.angle_deg is not None and abs(m.angle_deg - angle) < _SAME_DEG]
+        meant = exact or [m for m in known if m.angle_deg is None]
+        if not meant:
             found.append(None)
             continue
+        at, samples = _pooled(meant)
         mean = np.asarray(simulated["reflectance"], float)[index]
         each = np.asarray(simulated["individuals"], float)[:, index] if "individuals" in simulated else mean[np.newaxis]
-        text = _native.compare(nm, mean, each, one.wavelength_nm, one.samples, peak_range_nm)
+        text = _native.compare(nm, mean, each, at, samples, peak_range_nm)
         found.append(json.loads(text))
     return found
+
+
+def _known(against: _Places | Measured | Sequence[Measured]) -> list[Measured]:
+    """Measurements, read where they are files.
+
+    Raises:
+        TypeError: Some are, and some are not.
+    """
+    if isinstance(against, (str, PathLike)):
+        return measured(against)
+    given = [against] if isinstance(against, Measured) else list(against)
+    read = [one for one in given if isinstance(one, Measured)]
+    if len(read) == len(given):
+        return read
+    places = [one for one in given if not isinstance(one, Measured)]
+    if read:
+        raise TypeError(
+            f"'against' holds a Measured and {places[0]!r} in one list; read files first: barbule.measured({places[0]!r}) gives a list to add"
+        )
+    return measured(places)
+
+
+def _pooled(several: Sequence[Measured]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Wavelengths and all samples of measurements at one angle.
+
+    Raises:
+        InputError: They have different wavelengths.
+    """
+    first = several[0]
+    for other in several[1:]:
+        if not np.array_equal(first.wavelength_nm, other.wavelength_nm):
+            angle = "at no angle" if first.angle_deg is None else f"at {first.angle_deg:g}°"
+            raise InputError(
+                f"'against' holds two measurements {angle} with different wavelengths, {_named(first)} and {_named(other)}; "
+                "give one file with both as columns, or both files to barbule.measured at once"
+            )
+    return first.wavelength_nm, np.concatenate([one.samples for one in several])
+
+
+def _named(one: Measured) -> str:
+    return f"'{one.names[0]}'" if len(one.names) == 1 else f"'{one.names[0]}' to '{one.names[-1]}'"
 
 
 def intervals(

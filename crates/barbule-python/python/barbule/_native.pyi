@@ -106,7 +106,7 @@ def things(
     media: _Media,
     threads: int | None,
     progress: _Watch,
-) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64]]]: ...
+) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64], bool]]: ...
 def fit_structure(
     files: Sequence[str],
     wavelengths_nm: NDArray[np.float64],

@@ -17,7 +17,7 @@ from ._material import Material
 from ._native import Section, Structure
 from ._opening import Name, structure_of
 from ._progress import ProgressLike, watched
-from .errors import InputError, idle
+from .errors import InputError, doubt, idle
 
 if TYPE_CHECKING:
     import xarray
@@ -126,7 +126,7 @@ def spectrum(
     cone_deg: float | None = None,
     instrument: str | None = None,
     turn_deg: float = 0.0,
-    tilt_deg: float | tuple[float, float] = 0.0,
+    tilt_deg: ArrayLike = 0.0,
     polarization: Literal[1, 2] | None = None,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
@@ -145,7 +145,8 @@ def spectrum(
         instrument: Reading of ``probe:CONE``, ``arms:IN,OUT,CONE``, ``sphere`` or ``microscope:NA`` (degrees, CONE the half angle) beside
             a perfect white standard, which mirrors may exceed; all that is reflected without.
         turn_deg: Under an instrument, how far the feather is turned about its own normal.
-        tilt_deg: Under an instrument, standard deviation of barbules' slopes out of the vane and of their turns about their axes, or both.
+        tilt_deg: Under an instrument, standard deviation of barbules' slopes out of the vane and of their turns about their axes: one number for both,
+            or two.
         polarization: Incident polarization 1 or 2; unpolarized light without.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
@@ -190,6 +191,10 @@ def spectrum(
     nothing = np.zeros_like(angles)
     theta, phi = (nothing, angles) if plane == "across" else (angles, nothing)
     count = INSTANCES if instances is None else instances
+    given = opened.count
+    if instances is not None and given is not None and instances > given:
+        there_are = "is 1 section: it is" if given == 1 else f"are {given} sections: all are"
+        doubt(f"'instances' is {instances}, but there {there_are} simulated")
     weights = {None: [0.5, 0.5], 1: [1.0, 0.0], 2: [0.0, 1.0]}[polarization]
     with watched(progress) as watch:
         if instrument is None:
@@ -220,8 +225,12 @@ def spectrum(
     return labelled(data, coords, **how)
 
 
-def _both(tilt_deg: float | tuple[float, float]) -> tuple[float, float]:
-    return tilt_deg if isinstance(tilt_deg, tuple) else (float(tilt_deg), float(tilt_deg))
+def _both(tilt_deg: ArrayLike) -> tuple[float, float]:
+    """The tilts of slopes and of turns."""
+    tilts = numbers(tilt_deg)
+    if tilts.size not in (1, 2):
+        raise InputError(f"'tilt_deg' holds {tilts.size} numbers; give one for slopes and turns, or one for each")
+    return float(tilts[0]), float(tilts[-1])
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._labels import Axis, Quantity, axis_nm, floats, labelled, media_of, numbers, one_of, rows_of, text_of
 from ._opening import Name
+from ._optics import INSTANCES
 from ._progress import ProgressLike, watched
-from .errors import InputError
+from .errors import InputError, idle
 
 if TYPE_CHECKING:
     import xarray
@@ -138,6 +139,8 @@ def jnd(
     if rows.ndim != 2:
         raise InputError(f"'catches' has the shape {rows.shape}; give [row, cone]")
     one_of("reference", reference, ("longest", "rarest"))
+    if not 0.0 < weber < np.inf:
+        raise InputError(f"'weber' is {weber}; give a number over 0, as in 0.1")
     return _native.jnd(rows, numbers(ratio), weber, reference == "rarest")
 
 
@@ -148,7 +151,8 @@ def tetrahedral(catches: ArrayLike) -> xarray.Dataset:
         catches: ``[..., 4]``, from the ultraviolet to the long cone.
 
     Returns:
-        ``x``, ``y``, ``z``, ``theta``, ``phi`` (degrees), ``r`` and ``r_achieved`` over ``[row]``, NaN where there is no place.
+        ``x``, ``y``, ``z``, ``theta``, ``phi`` (degrees), ``r`` and ``r_achieved`` over ``[row]``, NaN where there is no place. One colour
+        is one row too, and further axes are laid out as rows.
 
     Example:
         >>> import barbule
@@ -169,10 +173,11 @@ def see(
     *,
     ratio: ArrayLike | None = None,
     weber: float | None = None,
+    weber_double: float | None = None,
     samples: bool = False,
-    wavelengths_nm: ArrayLike = BIRDS_NM,
-    angle_deg: float = 0.0,
-    instances: int = 50,
+    wavelengths_nm: ArrayLike | None = None,
+    angle_deg: float | None = None,
+    instances: int | None = None,
     seed: int = 1,
     media: Mapping[str, Name] | None = None,
     threads: int | None = None,
@@ -186,10 +191,11 @@ def see(
         illuminant: As `catches`.
         ratio: How many cones of each class there are; the bird's without it.
         weber: Weber fraction of the reference class; the bird's without it.
+        weber_double: Of the double cones; the bird's without it.
         samples: Every sample of a file by itself, not their mean.
-        wavelengths_nm: Of structures.
-        angle_deg: Angle of incidence of structures, across the barbule.
-        instances: Random individuals of structures.
+        wavelengths_nm: Of structures, `BIRDS_NM` without.
+        angle_deg: Angle of incidence of structures, across the barbule; 0 without.
+        instances: Random individuals of structures, 50 without.
         seed: Their seed.
         media: Media of your own by name, each a file of n and k.
         threads: Threads; all cores without a number.
@@ -203,6 +209,9 @@ def see(
     Raises:
         InputError: A reflectance does not reach where a cone sees; the message says which and what to do.
 
+    Warns:
+        DoubtWarning: An argument changes nothing, such as an angle where all things are measured.
+
     Example:
         >>> import barbule
         >>> stacks = ["air/keratin:320/melanin", "air/keratin:340/melanin"]
@@ -210,30 +219,46 @@ def see(
         >>> seen["delta_s"].shape
         (2, 2)
     """
-    angles = numbers(angle_deg)
+    nm, angles = numbers(BIRDS_NM if wavelengths_nm is None else wavelengths_nm), numbers(0.0 if angle_deg is None else angle_deg)
+    count = INSTANCES if instances is None else instances
     if angles.size != 1:
         raise InputError(f"'angle_deg' holds {angles.size} angles; give one")
     eye = sensitivities(bird)
+    fraction, of_doubles = (
+        _fraction(name, float(eye.attrs[name]) if given is None else given)
+        for name, given in (("weber", weber), ("weber_double", weber_double))
+    )
     names: list[str] = []
+    measured: list[bool] = []
     rows: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
     asked = [things] if isinstance(things, str) or not isinstance(things, Sequence) else list(things)
     with watched(progress) as watch:
         for thing in asked:
             found = _native.things(
-                text_of("things", thing), samples, numbers(wavelengths_nm), angles, instances, seed, media_of(media), threads, watch
+                text_of("things", thing), samples, nm, angles, count, seed, media_of(media), threads, watch
             )
-            names += [name for name, _, _ in found]
-            rows += [(nm, values) for _, nm, values in found]
+            names += [name for name, _, _, _ in found]
+            rows += [(at, values) for _, at, values, _ in found]
+            measured += [is_measured for _, _, _, is_measured in found]
     if not rows:
         raise InputError("'things' is empty; give at least one")
-    seen = [catches(nm, values, bird, illuminant) for nm, values in rows]
+    differences = {"weber": weber, "weber_double": weber_double, "ratio": ratio}
+    simulated = {"angle_deg": angle_deg, "instances": instances, "wavelengths_nm": wavelengths_nm}
+    for is_idle, why, given in (
+        (len(rows) == 1, "one thing has no differences", differences),
+        (len(rows) > 1 and "double" not in eye, "this eye has no double cones", {"weber_double": weber_double}),
+        (all(measured), "all that is seen is measured, and no structure simulated", simulated),
+        (not any(measured), "nothing that is seen is measured", {"samples": samples or None}),
+    ):
+        for name in (name for name, value in given.items() if is_idle and value is not None):
+            idle(name, why)
+    seen = [catches(at, values, bird, illuminant) for at, values in rows]
     single, double = np.stack([cones for cones, _ in seen]), np.array([float(of) for _, of in seen])
     numbers_of_cones = np.asarray(eye["abundance"]) if ratio is None else numbers(ratio)
-    fraction = float(eye.attrs["weber"]) if weber is None else weber
     pair = ("item", "other")
     with np.errstate(invalid="ignore", divide="ignore"):
         logarithm = np.log(double)
-    delta_l = np.abs(logarithm[:, None] - logarithm[None, :]) / float(eye.attrs["weber_double"])
+    delta_l = np.abs(logarithm[:, None] - logarithm[None, :]) / of_doubles
     data = {
         "catches": Quantity(single, ("item", "cone"), "quanta caught over those of white"),
         "double": Quantity(double, ("item",), "quanta caught by double cones over those of white"),
@@ -252,7 +277,14 @@ def see(
         "other": Axis(np.array(names), "thing that it is compared with"),
         "cone": Axis(np.asarray(eye["cone"]), "class of cones"),
     }
-    return labelled(data, coords, bird=eye.attrs["bird"], illuminant=str(illuminant), weber=fraction)
+    return labelled(data, coords, bird=eye.attrs["bird"], illuminant=str(illuminant), weber=fraction, weber_double=of_doubles)
+
+
+def _fraction(name: str, value: float) -> float:
+    """A Weber fraction."""
+    if not 0.0 < value <= 10.0:
+        raise InputError(f"'{name}' is {value}; give a number over 0 and up to 10, as in 0.1")
+    return value
 
 
 __all__ = ["BIRDS_NM", "birds", "catches", "jnd", "see", "sensitivities", "tetrahedral"]

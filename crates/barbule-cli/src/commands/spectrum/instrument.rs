@@ -150,6 +150,10 @@ impl Args {
         if !self.instrument.instrument.is_empty()
             && let Some(found) = open::material_file(text)?
         {
+            self.side.of_material(&self.common)?;
+            if self.instances.is_some() {
+                self.common.idle("--instances", "a material is of the individuals that it was made of");
+            }
             return Ok(Subject::Material(Box::new(found.material)));
         }
         self.side.open(text, &self.common).map(Subject::Structure)

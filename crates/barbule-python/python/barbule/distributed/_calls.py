@@ -82,9 +82,11 @@ class SpectraSweep(Sweep):
     def item(self, opened: Any, index: tuple[int, ...], threads: int, watch: Watch) -> Mapping[str, NDArray[Any]]:
         """The spectra of a structure."""
         structure = opened_alike(self.structures[index[0]][0], self.media, self.structures[index[0]][1])
-        found = _optics.spectrum(
-            structure, self.wavelengths_nm, self.angles_deg, threads=threads, progress=watch, **dict(self.how)
-        )
+        how = dict(self.how)
+        if structure.count is not None:
+            # Of a stack without spreads there is one, and nobody asked for more of it.
+            how["instances"] = min(how["instances"], structure.count)
+        found = _optics.spectrum(structure, self.wavelengths_nm, self.angles_deg, threads=threads, progress=watch, **how)
         return {name: np.asarray(found[name]) for name in self.layout.fields}
 
 
