@@ -477,7 +477,7 @@ fn reflected_from(brdf: &FeatherBrdf, wavelength_nm: f32, theta_deg: f64, phi_de
 #[test]
 fn light_from_the_horizon_is_neither_gained_nor_lost() {
     for (stem, known) in [
-        ("rock-dove-jade", [0.703, 0.825, 0.817, 0.878, 0.855]),
+        ("rock-dove-jade", [0.705, 0.827, 0.819, 0.881, 0.857]),
         ("starling-green", [0.331, 0.335, 0.353, 0.339, 0.401]),
     ] {
         let fitted = brdf(&shipped(stem));
