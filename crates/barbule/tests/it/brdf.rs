@@ -475,7 +475,7 @@ fn reflected_from(brdf: &FeatherBrdf, wavelength_nm: f32, theta_deg: f64, phi_de
 /// Light from just above the horizon: the steeper directions' tables alone would give back 1.26 of what comes from φ_i = 88° of the rock
 /// dove's, half of what others were fitted to.
 #[test]
-fn light_from_the_horizon_is_neither_gained_nor_lost() {
+fn light_from_the_horizon_is_not_gained() {
     for (stem, known) in [
         ("rock-dove-jade", [0.705, 0.827, 0.819, 0.881, 0.857]),
         ("starling-green", [0.331, 0.335, 0.353, 0.339, 0.401]),
