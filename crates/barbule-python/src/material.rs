@@ -308,13 +308,7 @@ impl Material {
 
     #[getter]
     fn name(&self) -> String {
-        let title = barbule::figures::title(&self.material);
-        let word = |key: &str| self.material.info.get(key).and_then(|word| word.as_str()).unwrap_or_default();
-        // Stacks and given sections are no species.
-        if !word("species").is_empty() || word("name").is_empty() {
-            return title;
-        }
-        [word("name"), title.as_str()].join(" ").trim_end().to_owned()
+        barbule::figures::title(&self.material)
     }
 
     #[getter]

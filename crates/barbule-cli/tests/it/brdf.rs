@@ -104,6 +104,11 @@ fn places_of_an_arch_have_the_whole_for_their_mean() {
         assert!((best.0 - brightest).abs() < 0.2, "{wo}: {best:?}");
     }
     assert_eq!(of("starling", "0,-10", Some(0.7)), of("starling", "0,-10", None));
+    write_made_up();
+    let flat = ["brdf", MADE_UP, "--wavelength", "550", "--wi", "0,0", "--wo", "0,0", "--place", "0"];
+    let (code, _, message) = run(&flat);
+    // The barbules that it was made of are nowhere.
+    assert!(code == 2 && message.starts_with("barbule: --place: "), "{message}");
     for (words, expected) in [
         (["--wo", "0,0", "--place", "1.5"].as_slice(), "--place 1.5: write a number from -1 to 1"),
         (["--marginal", "--place", "0"].as_slice(), "leave --place out"),

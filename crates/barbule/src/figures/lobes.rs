@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::Result;
 use crate::brdf::pictures::hemisphere;
 use crate::brdf::{FeatherBrdf, FeatherMaterial, Options, lobe_integral};
+use crate::error::shortened;
 use crate::plot::{Anchor, Axis, Drawing, HeatMap, Item, Map, Picture};
 use crate::scattering::directions::omega;
 use crate::scattering::lobe::Lobe;
@@ -17,12 +18,14 @@ const INCIDENT: [(f64, f64); 7] =
 /// Size of a hemisphere on the page.
 const SIZE: f64 = 120.0;
 
-/// Species and variant as the material's maker recorded them, and whether its campaign was thinned.
+/// Species and variant as the material's maker recorded them, or the name of what is no species, and whether its campaign was thinned.
 #[must_use]
 pub fn title(material: &FeatherMaterial) -> String {
     let word = |key: &str| material.info.get(key).and_then(|v| v.as_str()).unwrap_or_default();
     let thinned = if material.info["campaign"]["thinned"].is_number() { "(thinned)" } else { "" };
-    [word("species"), word("variant"), thinned]
+    // Stacks and given sections are no species.
+    let name = if word("species").is_empty() { shortened(word("name")) } else { word("species").to_owned() };
+    [name.as_str(), word("variant"), thinned]
         .into_iter()
         .filter(|w| !w.is_empty())
         .collect::<Vec<_>>()
@@ -223,4 +226,24 @@ pub fn tiled(drawings: Vec<Drawing>, columns: usize, heading: &str) -> Drawing {
         page.place(drawing, [(k % columns) as f64 * width, 28.0 + (k / columns) as f64 * height]);
     }
     page
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::brdf::fixtures::example;
+
+    #[test]
+    fn titles_name_species_and_whatever_else_was_simulated() {
+        for (info, expected) in [
+            (json!({"species": "starling", "variant": "green", "name": "starling:green"}), "starling green"),
+            (json!({"species": "", "name": "air/keratin:300/air"}), "air/keratin:300/air"),
+            (json!({"name": "mine.json", "campaign": {"thinned": 3}}), "mine.json (thinned)"),
+            (json!({}), ""),
+        ] {
+            assert_eq!(title(&FeatherMaterial { info, ..example(3) }), expected);
+        }
+    }
 }
