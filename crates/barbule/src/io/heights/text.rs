@@ -27,7 +27,8 @@ pub(super) fn count(mut text: impl BufRead) -> io::Result<[usize; 2]> {
             break;
         }
         for byte in piece {
-            let is_blank = byte.is_ascii_whitespace();
+            // Vertical tabs part words as well, and what is not ASCII may: each of its bytes counts as a word.
+            let is_blank = byte.is_ascii_whitespace() || *byte == b'\x0b';
             match byte {
                 b';' => line[0] += 1,
                 b'\t' => line[1] += 1,
@@ -36,17 +37,18 @@ pub(super) fn count(mut text: impl BufRead) -> io::Result<[usize; 2]> {
                     lines += 1;
                     close(&mut all, &mut longest, &mut line);
                 }
-                _ if !is_blank && !in_word => line[3] += 1,
+                _ if !byte.is_ascii() || !is_blank && !in_word => line[3] += 1,
                 _ => {}
             }
-            in_word = !is_blank;
+            in_word = !is_blank && byte.is_ascii();
         }
         let length = piece.len();
         text.consume(length);
     }
     close(&mut all, &mut longest, &mut line);
+    // A mark before or behind all words of a line parts none.
     Ok(match (0..3).find(|mark| all[*mark] > 0) {
-        Some(mark) => [all[mark] + lines + 1, longest[mark] + 1],
+        Some(mark) => [all[3].max(all[mark] + lines + 1), longest[3].max(longest[mark] + 1)],
         None => [all[3], longest[3]],
     })
 }
