@@ -225,13 +225,14 @@ mod tests {
     /// A metal, whose index has a small real part, is the denser medium: what its film reflects is kept.
     #[test]
     fn films_on_metals_reflect_as_much_as_metals() {
-        for metal in ["silver", "aluminium", "gold"] {
+        // What is left is one index for all wavelengths: of gold, that it is no gold below 500 nm.
+        for (metal, reached) in [("silver", 0.004), ("aluminium", 0.005), ("gold", 0.062)] {
             let stack = stack(&format!("air/keratin:300/{metal}"));
             let film = OneFilm::of(&stack).unwrap();
             for format in [FilmFormat::Gltf, FilmFormat::OpenPbr] {
                 let (_, Deviation { relative_l1, bias, .. }) = film.compare(&stack, format).unwrap();
                 println!("{metal} {format:?}: {relative_l1:.3} {bias:.3}");
-                assert!(bias.abs() < 0.1, "{metal} {format:?}: {relative_l1} {bias}");
+                assert!(bias.abs() < reached, "{metal} {format:?}: {relative_l1} {bias}");
             }
         }
     }
